@@ -1,7 +1,7 @@
 //! Torsion springs with dampers about the common axis of two bodies.
 //!
-//! The angle is `θ = atan2(g, h)` of two quadratic forms of nodal vectors, `g = ½ (e₂ᴬ·e₁ᴮ − e₁ᴬ·e₂ᴮ)` and `h = ½ (e₁ᴬ·e₁ᴮ + e₂ᴬ·e₂ᴮ)`, continued beyond ±π by the
-//! angle at the end of the step before, which is the history variable of the spring. The moment is `M = k (θ − θ₀) + d θ̇`, or a formula; the
+//! The angle is `θ = atan2(g, h)` of two quadratic forms of nodal vectors, `g = ½ (e₂ᴬ·e₁ᴮ − e₁ᴬ·e₂ᴮ)` and `h = ½ (e₁ᴬ·e₁ᴮ + e₂ᴬ·e₂ᴮ)`, continued beyond ±π from
+//! the angle and the relative rotation at the end of the step before, which are the history variables of the spring. The moment is `M = k (θ − θ₀) + d θ̇`, or a formula; the
 //! forces are `M ∂θ/∂q`. In the energy–momentum scheme, with the forms at the ends of a step and their gradients in its middle,
 //!
 //! ```text
@@ -14,7 +14,7 @@
 //! are conserved.
 
 use super::joint::{Few, MOST_VECTORS, current, few};
-use super::joints::{LARGEST_TURN, RelativeAngle};
+use super::joints::{LARGEST_TURN, RelativeAngle, RelativeRotation};
 use super::spring_law::SpringLaw;
 use super::turning::sinc;
 use crate::Vec3;
@@ -31,6 +31,9 @@ pub struct TorsionSpring {
     /// Moment by the angle (rad), its rate and the time.
     pub law: SpringLaw,
 }
+
+/// History variables of a spring: its angle and the relative rotation of its ends.
+const HISTORY: usize = 1 + RelativeRotation::SIZE;
 
 /// Motion of a spring.
 struct Turn {
@@ -54,15 +57,27 @@ impl TorsionSpring {
     }
 
     /// Angle at the end of a motion, whatever its change: round-off may take an accepted step beyond the largest one.
-    fn angle(&self, k: &GroupPoint, committed: f64) -> f64 {
-        let u = match k.motion {
-            Motion::State { u, .. } | Motion::Step { new: u, .. } => u,
-        };
-        let at = |v: u32| Vec3::from(k.reference[v as usize]) + Vec3::from(u[v as usize]);
-        RelativeAngle::continued(committed, self.angle.forms(&few(&self.angle.vectors, at)))
+    fn angle(&self, k: &GroupPoint, committed: &[f64]) -> f64 {
+        let number = |i: usize| committed.get(i).copied().unwrap_or(f64::NAN);
+        let rotation = RelativeRotation::read(std::array::from_fn(|i| number(1 + i)));
+        self.angle.after((number(0), rotation), &few(&self.angle.vectors, |v| Self::end(k, v)))
     }
 
-    fn turn(&self, k: &GroupPoint, committed: f64) -> Turn {
+    /// Nodal vector at the end of a motion.
+    fn end(k: &GroupPoint, vector: u32) -> Vec3 {
+        let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = k.motion;
+        Vec3::from(k.reference[vector as usize]) + Vec3::from(u[vector as usize])
+    }
+
+    /// History variables of one of the springs of a group.
+    fn committed<'a>(k: &GroupPoint<'a>, number: usize) -> &'a [f64] {
+        k.interior.history.get(number * HISTORY..(number + 1) * HISTORY).unwrap_or(&[])
+    }
+
+    fn turn(&self, k: &GroupPoint, number: usize) -> Turn {
+        let committed = Self::committed(k, number);
+        let angle = self.angle(k, committed);
+        let committed = committed.first().copied().unwrap_or(f64::NAN);
         let vectors = &self.angle.vectors;
         let at =
             |u: &[Nodal]| few(vectors, |v| Vec3::from(k.reference[v as usize]) + Vec3::from(u[v as usize]));
@@ -75,14 +90,12 @@ impl TorsionSpring {
                 let rate = velocity.map_or(0.0, |rates| {
                     vectors.iter().zip(&gradient).map(|(&v, w)| w.dot(&Vec3::from(rates[v as usize]))).sum()
                 });
-                let angle = RelativeAngle::continued(committed, [g, h]);
                 let angle = if (angle - committed).abs() > LARGEST_TURN { f64::NAN } else { angle };
                 Turn { angles: [angle; 2], rate, gradient, forms: [g, h] }
             }
             Motion::Step { old, new, dt } => {
                 let (before, after) = (at(old), at(new));
                 let [[g0, h0], [g1, h1]] = [&before, &after].map(|v| self.angle.forms(v));
-                let angle = RelativeAngle::continued(committed, [g1, h1]);
                 let change = angle - committed;
                 let sizes = g0.hypot(h0) * g1.hypot(h1);
                 // Near π the force has no limit.
@@ -125,7 +138,7 @@ impl TorsionSpring {
 
     /// Angle (rad) and moment in a state.
     pub fn angle_and_moment(&self, k: &GroupPoint, number: usize) -> [f64; 2] {
-        let turn = self.turn(k, k.interior.history[number]);
+        let turn = self.turn(k, number);
         [turn.angles[1], self.moment(&turn, k.time).value]
     }
 }
@@ -197,7 +210,7 @@ impl ElementGroup for TorsionSpringGroup {
     }
 
     fn history_per_element(&self) -> usize {
-        1
+        HISTORY
     }
 
     fn evaluate(
@@ -210,7 +223,7 @@ impl ElementGroup for TorsionSpringGroup {
         let n = self.vectors;
         for (e, out) in forces.chunks_mut(3 * n).enumerate() {
             let spring = &self.members[first + e];
-            let turn = spring.turn(k, k.interior.history[first + e]);
+            let turn = spring.turn(k, first + e);
             let Partials { value: moment, by_position, by_rate } = spring.moment(&turn, k.time);
             for (out, w) in out.chunks_exact_mut(3).zip(&turn.gradient) {
                 out.copy_from_slice((w * moment).as_slice());
@@ -236,7 +249,7 @@ impl ElementGroup for TorsionSpringGroup {
         let of_each = forces.chunks_mut(3 * n).zip(blocks.chunks_mut(9 * n * (n + 1) / 2));
         for (e, (out, blocks)) in (first..).zip(of_each) {
             let spring = &self.members[e];
-            let turn = spring.turn(k, k.interior.history[e]);
+            let turn = spring.turn(k, e);
             let displacement = |v: u32| Vec3::from(increment.displacements[v as usize]);
             let of_vectors = spring.angle.vectors.iter().zip(&turn.gradient);
             let angle: f64 = of_vectors.map(|(&v, w)| w.dot(&displacement(v))).sum();
@@ -250,48 +263,56 @@ impl ElementGroup for TorsionSpringGroup {
 
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
         for (number, (spring, energy)) in self.members.iter().zip(energies).enumerate() {
-            let [_, angle] = spring.turn(k, k.interior.history[number]).angles;
+            let [_, angle] = spring.turn(k, number).angles;
             *energy = spring.law.energy(angle);
         }
     }
 
     fn update_history(&self, k: &GroupPoint, history: &mut [f64]) -> f64 {
-        for ((spring, committed), out) in self.members.iter().zip(k.interior.history).zip(history) {
-            *out = spring.angle(k, *committed);
+        for (number, (spring, out)) in self.members.iter().zip(history.chunks_exact_mut(HISTORY)).enumerate()
+        {
+            out[0] = spring.angle(k, TorsionSpring::committed(k, number));
+            out[1..].copy_from_slice(&spring.angle.rotation(|v| TorsionSpring::end(k, v)).numbers());
         }
         0.0
     }
 
     fn dissipation(&self, k: &GroupPoint, power: &mut [f64]) {
         for (number, (spring, power)) in self.members.iter().zip(power).enumerate() {
-            let Turn { angles, rate, .. } = spring.turn(k, k.interior.history[number]);
+            let Turn { angles, rate, .. } = spring.turn(k, number);
             *power = spring.law.dissipation(angles, rate, k.time);
         }
     }
 
     fn work_of_actuators(&self, k: &GroupPoint) -> f64 {
-        let of = |(spring, committed): (&TorsionSpring, &f64)| {
-            let Turn { angles, rate, .. } = spring.turn(k, *committed);
+        let of = |(number, spring): (usize, &TorsionSpring)| {
+            let Turn { angles, rate, .. } = spring.turn(k, number);
             spring.law.work(angles, rate, k.time)
         };
-        let all = self.members.iter().zip(k.interior.history);
-        all.filter(|(spring, _)| spring.law.depends_on_time()).map(of).sum()
+        let all = self.members.iter().enumerate();
+        all.filter(|(_, spring)| spring.law.depends_on_time()).map(of).sum()
     }
 
     fn reason_without_forces(&self, k: &GroupPoint, element: usize) -> Option<String> {
         let spring = &self.members[element];
-        let Turn { angles, rate, .. } = spring.turn(k, k.interior.history[element]);
+        let committed = TorsionSpring::committed(k, element);
+        let change = spring.angle(k, committed) - committed.first().copied().unwrap_or(f64::NAN);
+        if change.abs() > LARGEST_TURN {
+            let reason = format!("would turn by more than {LARGEST_TURN} rad in the step");
+            return Some(format!("the torsion spring \"{}\" {reason}", spring.name));
+        }
+        let Turn { angles, rate, .. } = spring.turn(k, element);
         spring.law.reason_without_force(angles, rate, k.time)
     }
 
     fn falling_force(&self, k: &GroupPoint) -> Option<String> {
-        let mut members = self.members.iter().zip(k.interior.history);
-        members.find_map(|(spring, committed)| spring.law.falls(spring.turn(k, *committed).angles[1], k.time))
+        let mut members = self.members.iter().enumerate();
+        members.find_map(|(number, spring)| spring.law.falls(spring.turn(k, number).angles[1], k.time))
     }
 
     fn pole_in_step(&self, k: &GroupPoint, start: f64) -> Option<String> {
-        self.members.iter().zip(k.interior.history).find_map(|(spring, committed)| {
-            let Turn { angles, rate, .. } = spring.turn(k, *committed);
+        self.members.iter().enumerate().find_map(|(number, spring)| {
+            let Turn { angles, rate, .. } = spring.turn(k, number);
             spring.law.pole(angles, rate, [start, k.time])
         })
     }

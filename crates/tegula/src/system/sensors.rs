@@ -30,7 +30,7 @@ impl System {
         self.angles().count()
     }
 
-    /// Angle at these displacements of the nodal vectors, continued from an earlier one.
+    /// Angle at these displacements of the nodal vectors that is nearest to an earlier one.
     pub fn continued_angle(
         &self,
         angle: &RelativeAngle,
@@ -54,8 +54,12 @@ impl System {
         earlier: f64,
         displacement: &impl Fn(usize, f64) -> Nodal,
     ) -> f64 {
-        let middle = self.continued_angle(angle, earlier, |v| displacement(v, 0.5));
-        self.continued_angle(angle, middle, |v| displacement(v, 1.0))
+        let at = |v: usize, part: f64| {
+            Vec3::from(self.coordinates.reference[v]) + Vec3::from(displacement(v, part))
+        };
+        let [start, middle, end] = [0.0, 0.5, 1.0].map(|part| angle.rotation(|v| at(v as usize, part)));
+        let change = start.twist_to(middle) + middle.twist_to(end);
+        self.continued_angle(angle, earlier + change, |v| displacement(v, 1.0))
     }
 
     /// Continues the angles of all sensors and gears over a motion with these displacements of the nodal vectors at its parts 0 to 1.

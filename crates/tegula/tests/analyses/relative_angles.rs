@@ -1,6 +1,8 @@
 //! Angles about an axis of sides that also tilt against each other: the twist, which is the angle of a hinge where the axis stays common.
 
-use crate::multibody::{between, body, gravity, machine, pose, run, torsion_spring};
+use std::f64::consts::PI;
+
+use crate::multibody::{between, body, gravity, machine, pose, run, spherical, torsion_spring};
 use tegula::analysis::{Silent, State};
 use tegula::model::*;
 use tegula::result::sensor_values;
@@ -86,5 +88,63 @@ fn springs_about_the_axes_of_a_universal_joint_act_on_the_angles_of_its_cross() 
         }
         let at_first = *first.get_or_insert(place);
         assert!((place - at_first).norm() < 1e-10, "{place} {at_first}");
+    }
+}
+
+/// A ball on a spherical joint that turns end over end and a little about z.
+fn tumbling(dt: f64) -> Model {
+    let ball = RigidBody { angular_velocity: [PI, 0.0, 0.01], ..body("b", [0.0; 3], 1.0, Some([1.0; 3])) };
+    Model {
+        sensors: vec![sensor("z", Vec3::z())],
+        ..machine(1.5, dt, vec![ball], vec![spherical("ground", "b", [0.0; 3])])
+    }
+}
+
+/// Where the tilt passes by 180 degrees at a distance of 0.36 degrees, the twist changes by nearly a full turn within 1/1000 of a turn; the steps are
+/// 3 to 50 times as long.
+#[test]
+fn a_twist_beside_a_tilt_of_180_degrees_keeps_its_turns_in_long_steps() {
+    for dt in [0.002, 0.0173, 0.1] {
+        let (system, state) = run(&tumbling(dt), &mut Silent);
+        let (_, axes) = pose(&system, &state, 0);
+        // Sine and cosine of half the angle about (π, 0, 0.01), of which it is more than half a turn.
+        let half = PI - 0.5 * ((axes.trace() - 1.0) * 0.5).acos();
+        let twist = 2.0 * (half.sin() * 0.01 / PI.hypot(0.01)).atan2(half.cos());
+        let value = sensor_values(&system, &state)[0];
+        assert!((value - twist.to_degrees()).abs() < 1e-6, "{dt} {value} {}", twist.to_degrees());
+        assert!(value > 359.6, "{dt} {value}");
+    }
+}
+
+/// The sides pass through a tilt of 180 degrees itself: the twist has no value there, and goes on without a turn.
+#[test]
+fn a_twist_through_a_tilt_of_180_degrees_goes_on_without_a_turn() {
+    let mut model = tumbling(0.0173);
+    model.bodies[0].angular_velocity[2] = 0.0;
+    let (system, state) = run(&model, &mut Silent);
+    let value = sensor_values(&system, &state)[0];
+    assert!(value.abs() < 1e-6, "{value}");
+}
+
+/// A spring about z is wound up by the turn: the steps of any scheme are cut back until the twist changes by less than 2.5 rad in each.
+#[test]
+fn a_spring_beside_a_tilt_of_180_degrees_keeps_its_turns_in_long_steps() {
+    let order_two = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
+    let schemes = [order_two, Scheme::GeneralizedAlpha(GeneralizedAlphaScheme::default())];
+    for scheme in schemes {
+        let angle = |dt: f64| {
+            let mut model = tumbling(dt);
+            model.torsion_springs = vec![TorsionSpring {
+                name: "z".into(),
+                ..torsion_spring(["ground", "b"], [0.0, 0.0, 1.0], 0.001)
+            }];
+            let Analysis::Transient(options) = &mut model.analysis else { unreachable!() };
+            options.scheme = scheme.clone();
+            let (system, state) = run(&model, &mut Silent);
+            sensor_values(&system, &state)[0]
+        };
+        let [long, short] = [0.0173, 0.0005].map(angle);
+        assert!((short - 359.06).abs() < 0.1, "{short}");
+        assert!((long - short).abs() < 2.0, "{long} {short}");
     }
 }

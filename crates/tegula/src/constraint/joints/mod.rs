@@ -13,6 +13,8 @@ mod sides;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
+use nalgebra::Quaternion;
+
 use super::joint::MOST_VECTORS;
 use super::{Attachment, Drive, Joint, Quantity, Role, Row, Spline};
 use crate::checker::Checker;
@@ -27,6 +29,15 @@ pub(crate) use sides::{NO_GAP, SecondPlace};
 
 /// Largest change of a relative angle in a step (rad); a longer step is cut back. Near π the turn would be lost.
 pub const LARGEST_TURN: f64 = 2.5;
+
+/// Square of the cosine of half the tilt of two rotations, less than a full turn apart, between which the twist changes by the smaller way if that is
+/// [short enough](LARGEST_TURN) for a step: where `cos a` of half its change a is −cos(π − 1.25) or less, the product of the quaternions
+/// would be `ρ cos a + (1 − ρ) < 0`.
+const LITTLE_TILT: f64 = 0.8;
+
+/// Distance of the origin from a line between two points (q₀, q₃) of unit quaternions that counts as none: the sine and the cosine of the twist, which have the
+/// size of its square there, are round-off.
+const NO_DISTANCE: f64 = 1e-6;
 
 /// One of the two sides of a joint: a body, a node or the ground.
 #[derive(Debug, Clone, PartialEq)]
@@ -136,6 +147,8 @@ pub struct RelativeAngle {
     pub sine: Row,
     /// Cosine of the angle.
     pub cosine: Row,
+    /// Directions e₁ and e₂ across the axis on both ends.
+    across: [[Attachment; 2]; 2],
     /// Whether one of the ends is the ground.
     pub grounded: bool,
 }
@@ -145,7 +158,22 @@ impl RelativeAngle {
     pub fn new(ends: &[End; 2], axis: &Vec3) -> Option<Self> {
         let mut vectors = Vec::new();
         let [sine, cosine] = forms_of_angle((ends, &SecondPlace::same()), axis, &mut vectors)?;
-        Some(Self { vectors, sine, cosine, grounded: ends.contains(&End::Ground) })
+        let [e1, e2] = crate::element::geometry::tangents(&axis.normalize());
+        let across = [[ends[0].axis(&e1)?, ends[0].axis(&e2)?], [ends[1].axis(&e1)?, ends[1].axis(&e2)?]];
+        Some(Self { vectors, sine, cosine, across, grounded: ends.contains(&End::Ground) })
+    }
+
+    /// Rotation of the second end relative to the first one, for these values of the nodal vectors.
+    pub fn rotation(&self, vector: impl Fn(u32) -> Vec3) -> RelativeRotation {
+        let frame = |[e1, e2]: &[Attachment; 2]| {
+            let first = e1.value(&vector).normalize();
+            let second = e2.value(&vector);
+            let second = (second - first * first.dot(&second)).normalize();
+            Mat3::from_columns(&[first, second, first.cross(&second)])
+        };
+        let relative = frame(&self.across[0]).transpose() * frame(&self.across[1]);
+        let rotation = nalgebra::Rotation3::from_matrix_unchecked(relative);
+        RelativeRotation(*nalgebra::UnitQuaternion::from_rotation_matrix(&rotation))
     }
 
     /// Values of sine and cosine with the nodal vectors v.
@@ -153,9 +181,23 @@ impl RelativeAngle {
         [self.sine.form(v), self.cosine.form(v)]
     }
 
-    /// Angle with these values of sine and cosine, continued from an earlier one over full turns.
+    /// Angle with these values of sine and cosine that is nearest to an earlier one.
     pub fn continued(earlier: f64, [sine, cosine]: [f64; 2]) -> f64 {
         Self::nearest(earlier, sine.atan2(cosine))
+    }
+
+    /// Angle with the nodal vectors v of a motion from a state with an earlier angle and rotation.
+    pub fn after(&self, earlier: (f64, RelativeRotation), v: &[Vec3]) -> f64 {
+        let (angle, rotation) = earlier;
+        let [sine, cosine] = self.forms(v);
+        let tilts = [rotation.square_of_twist_part(), sine.hypot(cosine)];
+        let change = if tilts.iter().all(|square| *square >= LITTLE_TILT) {
+            0.0
+        } else {
+            let place = |vector: u32| self.vectors.iter().position(|v| *v == vector);
+            rotation.twist_to(self.rotation(|vector| place(vector).map_or_else(Vec3::zeros, |i| v[i])))
+        };
+        Self::continued(angle + change, [sine, cosine])
     }
 
     /// Angle that differs from this one by full turns and is nearest to an earlier one.
@@ -172,6 +214,46 @@ impl RelativeAngle {
         self.sine.add_gradient(h / square, v, 0.0, &mut gradient);
         self.cosine.add_gradient(-g / square, v, 0.0, &mut gradient);
         gradient.iter().zip(rates).map(|(w, rate)| w.dot(rate)).sum()
+    }
+}
+
+/// Rotation of one end relative to another: a quaternion `q₀ + i q₁ + j q₂ + k q₃` whose third axis is that of a [relative angle](RelativeAngle).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RelativeRotation(Quaternion<f64>);
+
+impl RelativeRotation {
+    /// Numbers that hold a rotation: `q₀ − 1, q₁, q₂, q₃`, zeros in the reference configuration.
+    pub const SIZE: usize = 4;
+
+    /// The rotation that these numbers hold.
+    pub fn read([w, i, j, k]: [f64; Self::SIZE]) -> Self {
+        Self(Quaternion::new(w + 1.0, i, j, k))
+    }
+
+    /// Numbers that hold the rotation.
+    pub fn numbers(self) -> [f64; Self::SIZE] {
+        [self.0.w - 1.0, self.0.i, self.0.j, self.0.k]
+    }
+
+    /// Square `q₀² + q₃²` of the cosine of half the tilt.
+    fn square_of_twist_part(&self) -> f64 {
+        self.0.w * self.0.w + self.0.k * self.0.k
+    }
+
+    /// Change of the twist `2 atan(q₃/q₀)` in a motion that ends with another rotation, between −2π and 2π.
+    ///
+    /// A rotation at constant angular velocity moves the point (q₀, q₃) along half of an ellipse or less while it turns by less than a full turn: the chord between
+    /// its ends, with signs of the quaternions that make their distance the smaller one, tells on which side of the origin it passes, and the twist is
+    /// twice the angle that it is seen under from there. The twist so changes by nearly a full turn in a short time where the tilt passes by half a
+    /// turn at a small distance. It has no value where the tilt is half a turn; motions through that point go on without a turn.
+    pub fn twist_to(self, end: Self) -> f64 {
+        let (p, mut q) = (self.0, end.0);
+        if p.dot(&q) < 0.0 {
+            q = -q;
+        }
+        let (cross, dot) = (p.w * q.k - p.k * q.w, p.w * q.w + p.k * q.k);
+        let passes_through = dot < 0.0 && cross.abs() <= NO_DISTANCE * (q.w - p.w).hypot(q.k - p.k);
+        2.0 * if passes_through { (-cross).atan2(-dot) } else { cross.atan2(dot) }
     }
 }
 
