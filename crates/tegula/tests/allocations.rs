@@ -94,6 +94,7 @@ fn a_step_allocates_nothing() {
             }
             if !m.bodies.is_empty() {
                 m.springs = vec![SpringDamper {
+                    across: None,
                     name: "bump stop".into(),
                     between: ["ground".into(), "slides".into()],
                     points: [[0.0; 3], [2.0, 0.0, 0.0]],

@@ -5,8 +5,8 @@ use super::body_inertia::direction;
 use super::inner_point::Corners;
 use super::place::{Place, ends};
 use crate::checker::Checker;
-use crate::constraint::joints::RelativeAngle;
-use crate::constraint::{Spring, SpringLaw, TorsionSpring};
+use crate::constraint::joints::{End, RelativeAngle};
+use crate::constraint::{Across, Spring, SpringLaw, TorsionSpring};
 use crate::mesh::Mesh;
 use crate::model::{self, Model, SpringDamper};
 use crate::system::Coordinates;
@@ -27,11 +27,20 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
 /// # Errors
 /// The formula is invalid: description of the mistake, and remedy.
 fn law(spring: &SpringDamper) -> Result<SpringLaw, (String, String)> {
-    let distance = (Vec3::from(spring.points[0]) - Vec3::from(spring.points[1])).norm();
+    let distance = distance(spring);
     let length = spring.length.unwrap_or(distance);
     match &spring.force {
         Some(text) => SpringLaw::formula(&named(&spring.name), text, [length, distance]),
         None => Ok(SpringLaw::linear([spring.stiffness, spring.damping], length)),
+    }
+}
+
+/// Distance of the points of a spring, or of the second one from the axis, in the reference configuration.
+fn distance(spring: &SpringDamper) -> f64 {
+    let between = Vec3::from(spring.points[1]) - Vec3::from(spring.points[0]);
+    match spring.across {
+        None => between.norm(),
+        Some(axis) => between.cross(&Vec3::from(axis).normalize()).norm(),
     }
 }
 
@@ -94,10 +103,15 @@ fn spring_values(spring: &SpringDamper, key: &str, c: &mut Checker) {
         }
         Err((problem, help)) => c.add(format!("{key}.force"), problem, help),
     }
-    if spring.points[0] == spring.points[1] && spring.length.is_some_and(|length| length > 0.0) && !is_free {
+    if let Some(axis) = spring.across {
+        direction(&format!("{key}.across"), axis, c);
+    }
+    if distance(spring) == 0.0 && spring.length.is_some_and(|length| length > 0.0) && !is_free {
+        let why =
+            if spring.across.is_some() { "its second point lies on the axis" } else { "its points coincide" };
         c.add(
             format!("{key}.points"),
-            format!("the spring \"{}\" has no direction: its points coincide", spring.name),
+            format!("the spring \"{}\" has no direction: {why}", spring.name),
             "move one of its points, give `length = 0`, or a `force` that vanishes there, as in a clearance",
         );
     }
@@ -134,9 +148,21 @@ pub(super) fn springs(
             continue;
         };
         let points = data.points.map(Vec3::from);
-        let [a, b] = [first.point(&points[0]), second.point(&points[1])];
         // Invalid formulas are mistakes of the keys.
-        out.extend(law(data).ok().map(|law| Spring::new([&a, &b], law)));
+        let Ok(law) = law(data) else { continue };
+        let Some(axis) = data.across else {
+            out.push(Spring::new([&first.point(&points[0]), &second.point(&points[1])], law));
+            continue;
+        };
+        let sides = [first, second];
+        match Across::new(&sides, [&points[0], &points[1]], &axis.into()) {
+            Some(across) => out.push(Spring::across(across, sides.contains(&End::Ground), law)),
+            None => c.add(
+                format!("{key}.across"),
+                format!("the first side of the spring \"{}\" has no axes, or its second one is a point inside an element", data.name),
+                "connect a rigid body, a node of a beam or the ground with another one or with a node",
+            ),
+        }
     }
     issues.append(&mut c.issues);
     out

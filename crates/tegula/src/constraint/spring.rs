@@ -10,28 +10,55 @@
 //!
 //! does the work V₁ − V₀ + d (L₁ − L₀)²/Δt exactly. With the mean force F̄ of another [law](SpringLaw) over the step the force is
 //! `2 F̄/(L₀ + L₁) · x`, of which this is the linear case.
+//!
+//! A spring [across an axis](Across) has the distance of a point from a line in the place of the length.
 
+use super::joint::current;
+use super::spring_across::Across;
 use super::{Attachment, SpringLaw};
-use crate::Vec3;
 use crate::element::{
     ElementGroup, GroupPoint, Motion, Nodal, StressIncrement, TangentRequest, TangentWeights,
 };
 use crate::load::Partials;
+use crate::{Mat3, Vec3};
 
 /// Spring with a damper between two points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spring {
     /// Nodal vectors of both points.
     vectors: Vec<u32>,
-    /// Vector between the points: weights of the nodal vectors, and its constant part.
-    weights: Vec<f64>,
-    constant: Vec3,
+    measure: Measure,
     /// Whether one of the points is in the ground.
     grounded: bool,
     law: SpringLaw,
 }
 
+/// What the length of a spring is.
+#[derive(Debug, Clone, PartialEq)]
+enum Measure {
+    /// Distance of two points: weights of the nodal vectors in the vector between them, and its constant part.
+    Points(Vec<f64>, Vec3),
+    /// Distance of a point from a line.
+    Across(Box<Across>),
+}
+
+/// Motion of a spring.
+struct Stretch {
+    /// Lengths at both ends of the motion.
+    lengths: [f64; 2],
+    /// Rate of the length.
+    rate: f64,
+    /// Vector whose size is the length, where the force acts: that between the points, or the components across the axis.
+    x: Vec3,
+}
+
 impl Spring {
+    /// Spring across an axis: its length is the distance of a point from the line that the axis is.
+    pub fn across(across: Across, grounded: bool, law: SpringLaw) -> Self {
+        let vectors = across.vectors.clone();
+        Self { vectors, measure: Measure::Across(Box::new(across)), grounded, law }
+    }
+
     /// Spring between two points of bodies, nodes or the ground, with this force law in its length.
     pub fn new([a, b]: [&Attachment; 2], law: SpringLaw) -> Self {
         let (mut vectors, mut weights): (Vec<u32>, Vec<f64>) = (Vec::new(), Vec::new());
@@ -47,12 +74,25 @@ impl Spring {
             }
         }
         let grounded = a.terms.is_empty() || b.terms.is_empty();
-        Self { vectors, weights, constant: a.constant - b.constant, grounded, law }
+        Self { vectors, measure: Measure::Points(weights, a.constant - b.constant), grounded, law }
     }
 
-    /// Vector between the points for given nodal vectors.
+    /// Vector between the points, or across the axis, for given nodal vectors.
     fn between(&self, value: impl Fn(usize) -> Vec3) -> Vec3 {
-        self.vectors.iter().zip(&self.weights).fold(self.constant, |x, (&v, w)| x + value(v as usize) * *w)
+        match &self.measure {
+            Measure::Points(weights, constant) => {
+                self.vectors.iter().zip(weights).fold(*constant, |x, (&v, w)| x + value(v as usize) * *w)
+            }
+            Measure::Across(across) => across.value(&across.few(value)),
+        }
+    }
+
+    /// Change of the vector between the points, or across the axis, where nodal vectors have these values and changes.
+    fn change(&self, value: impl Fn(usize) -> Vec3, change: impl Fn(usize) -> Vec3) -> Vec3 {
+        match &self.measure {
+            Measure::Points(_, constant) => self.between(change) - constant,
+            Measure::Across(across) => across.change(&across.few(value), &across.few(change)),
+        }
     }
 
     /// Whether the points pass each other between two configurations, where a force acts between coinciding points: it turns round.
@@ -66,23 +106,22 @@ impl Spring {
         pulls && self.between(before).dot(&self.between(after)) < 0.0
     }
 
-    /// Lengths at both ends of the motion, rate of the length, and vector between the points on which the force acts.
-    fn motion(&self, k: &GroupPoint) -> ([f64; 2], f64, Vec3) {
-        let at = |u: &[Nodal]| self.between(|v| Vec3::from(k.reference[v]) + Vec3::from(u[v]));
+    fn motion(&self, k: &GroupPoint) -> Stretch {
+        let at = |u: &[Nodal], v: usize| Vec3::from(k.reference[v]) + Vec3::from(u[v]);
         match k.motion {
             Motion::State { u, velocity } => {
-                let x = at(u);
+                let x = self.between(|v| at(u, v));
                 let length = x.norm();
                 let rate = velocity.map_or(0.0, |v| {
-                    let speed = self.between(|n| Vec3::from(v[n])) - self.constant;
+                    let speed = self.change(|n| at(u, n), |n| Vec3::from(v[n]));
                     if length > 0.0 { speed.dot(&x) / length } else { 0.0 }
                 });
-                ([length; 2], rate, x)
+                Stretch { lengths: [length; 2], rate, x }
             }
             Motion::Step { old, new, dt } => {
-                let (before, after) = (at(old), at(new));
+                let [before, after] = [old, new].map(|u| self.between(|v| at(u, v)));
                 let lengths = [before.norm(), after.norm()];
-                (lengths, (lengths[1] - lengths[0]) / dt, (before + after) * 0.5)
+                Stretch { lengths, rate: (lengths[1] - lengths[0]) / dt, x: (before + after) * 0.5 }
             }
         }
     }
@@ -94,18 +133,45 @@ impl Spring {
         rate: impl Fn(usize) -> Vec3,
         time: f64,
     ) -> [f64; 2] {
-        let x = self.between(value);
+        let x = self.between(&value);
         let length = x.norm();
-        let speed = self.between(rate) - self.constant;
+        let speed = self.change(value, rate);
         let lengthening = if length > 0.0 { speed.dot(&x) / length } else { 0.0 };
         [length, self.law.force([length; 2], lengthening, time).value]
     }
 
-    /// Writes the lower blocks of a stiffness against changes of the vector between the points.
-    fn write_blocks(&self, stiffness: &crate::Mat3, blocks: &mut [f64]) {
+    /// Writes the forces on the nodal vectors that do the work of a force on the vector between the points, or across the axis.
+    fn write_forces(&self, k: &GroupPoint, force: &Vec3, out: &mut [f64]) {
+        match &self.measure {
+            Measure::Points(weights, _) => {
+                for (out, w) in out.chunks_mut(3).zip(weights) {
+                    out.copy_from_slice((force * *w).as_slice());
+                }
+            }
+            Measure::Across(across) => {
+                let forces = across.forces(&across.few(|v| current(k, v as u32)), force);
+                for (out, f) in out.chunks_mut(3).zip(&forces) {
+                    out.copy_from_slice(f.as_slice());
+                }
+            }
+        }
+    }
+
+    /// Writes the lower blocks of a stiffness against changes of the vector between the points, or across the axis; a `force` on it bends them.
+    fn write_blocks(&self, k: &GroupPoint, (stiffness, force): (&Mat3, &Vec3), blocks: &mut [f64]) {
+        let weights = match &self.measure {
+            Measure::Points(weights, _) => weights,
+            Measure::Across(across) => {
+                return across.write_blocks(
+                    &across.few(|v| current(k, v as u32)),
+                    (stiffness, force),
+                    blocks,
+                );
+            }
+        };
         let mut blocks = blocks.chunks_mut(9);
-        for (a, w) in self.weights.iter().enumerate() {
-            for other in &self.weights[..=a] {
+        for (a, w) in weights.iter().enumerate() {
+            for other in &weights[..=a] {
                 let Some(out) = blocks.next() else { return };
                 out.iter_mut().enumerate().for_each(|(i, out)| *out = stiffness[(i / 3, i % 3)] * w * other);
             }
@@ -191,21 +257,21 @@ impl ElementGroup for SpringGroup {
         let n = self.vectors;
         for (e, out) in forces.chunks_mut(3 * n).enumerate() {
             let spring = &self.members[first + e];
-            let (lengths, rate, x) = spring.motion(k);
+            let Stretch { lengths, rate, x } = spring.motion(k);
             let spring_force = spring.law.force(lengths, rate, k.time);
             let intensity = spring.intensity(lengths, &spring_force);
-            for (out, w) in out.chunks_mut(3).zip(&spring.weights) {
-                out.copy_from_slice((x * (intensity * w)).as_slice());
-            }
+            spring.write_forces(k, &(x * intensity), out);
             let Some(request) = &mut tangent else { continue };
             let TangentWeights { stress, direction, force, rate, .. } = request.weights;
             let axis = x.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
             let along = axis * axis.transpose();
-            let across = crate::Mat3::identity() - along;
+            let across = Mat3::identity() - along;
             let stiffness = along * (stress * spring_force.by_position + rate * spring_force.by_rate)
                 + across * (direction * intensity);
             let size = 9 * n * (n + 1) / 2;
-            spring.write_blocks(&(stiffness * force), &mut request.blocks[e * size..(e + 1) * size]);
+            let bent = x * (intensity * direction * force);
+            let blocks = &mut request.blocks[e * size..(e + 1) * size];
+            spring.write_blocks(k, (&(stiffness * force), &bent), blocks);
         }
     }
 
@@ -219,9 +285,9 @@ impl ElementGroup for SpringGroup {
         let n = self.vectors;
         let of_each = forces.chunks_mut(3 * n).zip(blocks.chunks_mut(9 * n * (n + 1) / 2));
         for (spring, (out, blocks)) in self.members[first..].iter().zip(of_each) {
-            let (lengths, rate, x) = spring.motion(k);
+            let Stretch { lengths, rate, x } = spring.motion(k);
             let axis = x.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
-            let change = spring.between(|v| Vec3::from(increment.displacements[v])) - spring.constant;
+            let change = spring.change(|v| current(k, v as u32), |v| Vec3::from(increment.displacements[v]));
             let tension = spring.law.force(lengths, rate, k.time).by_position * axis.dot(&change);
             // Between coinciding points the force per length of a spring does not change.
             let (force, intensity) = if x == Vec3::zeros() {
@@ -229,31 +295,28 @@ impl ElementGroup for SpringGroup {
             } else {
                 (axis * tension, tension / x.norm())
             };
-            for (out, w) in out.chunks_mut(3).zip(&spring.weights) {
-                out.copy_from_slice((force * *w).as_slice());
-            }
-            let across = crate::Mat3::identity() - axis * axis.transpose();
-            spring.write_blocks(&(across * intensity), blocks);
+            spring.write_forces(k, &force, out);
+            let across = Mat3::identity() - axis * axis.transpose();
+            spring.write_blocks(k, (&(across * intensity), &force), blocks);
         }
     }
 
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
         for (spring, energy) in self.members.iter().zip(energies) {
-            let ([_, length], ..) = spring.motion(k);
-            *energy = spring.law.energy(length);
+            *energy = spring.law.energy(spring.motion(k).lengths[1]);
         }
     }
 
     fn dissipation(&self, k: &GroupPoint, power: &mut [f64]) {
         for (spring, power) in self.members.iter().zip(power) {
-            let (lengths, rate, _) = spring.motion(k);
+            let Stretch { lengths, rate, .. } = spring.motion(k);
             *power = spring.law.dissipation(lengths, rate, k.time);
         }
     }
 
     fn work_of_actuators(&self, k: &GroupPoint) -> f64 {
         let of = |spring: &Spring| {
-            let (lengths, rate, _) = spring.motion(k);
+            let Stretch { lengths, rate, .. } = spring.motion(k);
             spring.law.work(lengths, rate, k.time)
         };
         self.members.iter().filter(|spring| spring.law.depends_on_time()).map(of).sum()
@@ -261,17 +324,17 @@ impl ElementGroup for SpringGroup {
 
     fn reason_without_forces(&self, k: &GroupPoint, element: usize) -> Option<String> {
         let spring = &self.members[element];
-        let (lengths, rate, _) = spring.motion(k);
+        let Stretch { lengths, rate, .. } = spring.motion(k);
         spring.law.reason_without_force(lengths, rate, k.time)
     }
 
     fn falling_force(&self, k: &GroupPoint) -> Option<String> {
-        self.members.iter().find_map(|spring| spring.law.falls(spring.motion(k).0[1], k.time))
+        self.members.iter().find_map(|spring| spring.law.falls(spring.motion(k).lengths[1], k.time))
     }
 
     fn pole_in_step(&self, k: &GroupPoint, start: f64) -> Option<String> {
         self.members.iter().find_map(|spring| {
-            let (lengths, rate, _) = spring.motion(k);
+            let Stretch { lengths, rate, .. } = spring.motion(k);
             spring.law.pole(lengths, rate, [start, k.time])
         })
     }

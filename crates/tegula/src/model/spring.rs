@@ -26,6 +26,11 @@ pub struct SpringDamper {
     /// `stiffness` and `damping`. A formula in `t` is an actuator.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub force: Option<String>,
+    /// Direction of an axis through the first point, which moves with the first side, in the reference configuration. The length of the spring is then the distance
+    /// of the second point from this axis, and its force acts across it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-marker" = "direction"))]
+    pub across: Option<[f64; 3]>,
     /// Length from which the elongation counts, without force where `stiffness` acts; the distance of the points unless given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0))]

@@ -21,6 +21,7 @@ fn stepped(model: &Model, end: f64, step: f64) -> Model {
 /// A point mass on a spring of no length: `ẍ = −ω² x` from x = 1 at rest.
 fn oscillator(omega: f64) -> Model {
     let spring = SpringDamper {
+        across: None,
         name: "spring".into(),
         between: between("ground", "mass"),
         points: [[0.0; 3], [1.0, 0.0, 0.0]],

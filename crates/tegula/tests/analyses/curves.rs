@@ -179,6 +179,7 @@ fn parabola(radius: f64, pieces: i32) -> Vec<[f64; 3]> {
 
 fn tied(at: [f64; 3], stiffness: f64) -> SpringDamper {
     SpringDamper {
+        across: None,
         name: "tie".into(),
         between: between("ground", "bead"),
         points: [at; 2],

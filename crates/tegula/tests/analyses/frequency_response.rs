@@ -56,6 +56,7 @@ fn error(found: Complex<f64>, expected: Complex<f64>) -> f64 {
 fn a_damped_oscillator_has_the_amplitude_and_phase_of_its_closed_form() {
     let (m, k, c) = (2.0, 800.0, 3.0);
     let spring = SpringDamper {
+        across: None,
         name: "spring".into(),
         between: between("ground", "mass"),
         points: [[-1.0, 0.0, 0.0], [0.0; 3]],
@@ -301,6 +302,7 @@ fn joints_balance_what_the_modes_leave_of_a_load() {
         let hinge = revolute("hinge", "ground", "bar", [0.0; 3], [0.0, 1.0, 0.0]);
         let mut model = Model::of_bodies(Analysis::Modal(analysis), bodies, vec![hinge]);
         model.springs = vec![SpringDamper {
+            across: None,
             name: "s".into(),
             between: between("ground", "bar"),
             points: [[1.0, 0.0, 1.0], [1.0, 0.0, 0.0]],
@@ -340,6 +342,7 @@ fn a_damper_on_a_nodal_line_is_no_damping_of_the_mode() {
         let mut end = [0.0; 3];
         end[axis] = -1.0;
         SpringDamper {
+            across: None,
             name: format!("spring {axis}"),
             between: between("ground", "mass"),
             points: [end, [0.0; 3]],
@@ -367,6 +370,7 @@ fn an_undamped_resonance_is_refused() {
         let mut end = [0.0; 3];
         end[axis] = -1.0;
         SpringDamper {
+            across: None,
             name: format!("spring {axis}"),
             between: between("ground", "mass"),
             points: [end, [0.0; 3]],

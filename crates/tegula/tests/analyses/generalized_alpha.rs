@@ -152,6 +152,7 @@ fn a_damped_spring_follows_its_closed_form() {
     let (mass, omega, xi) = (2.0, 5.0_f64, 0.2);
     let speed = RigidBody { velocity: [0.5, 0.0, 0.0], ..body("mass", [1.0, 0.0, 0.0], mass, None) };
     let spring = SpringDamper {
+        across: None,
         name: "spring".into(),
         between: ["ground".into(), "mass".into()],
         points: [[0.0; 3], [1.0, 0.0, 0.0]],

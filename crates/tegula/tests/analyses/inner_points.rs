@@ -43,6 +43,7 @@ fn a_point_at_a_corner_of_an_element_is_the_node() {
         let mut m = model(plate([1.0, 0.5], [4, 2], 0.2), 1e6, 0.05);
         m.loads = vec![Load::Force(vector_load("u_max_v_min", [0.0, 0.0, 0.05]))];
         m.springs = vec![SpringDamper {
+            across: None,
             name: "spring".into(),
             between: between("ground", name),
             points: [[1.0, 0.5, -1.0], [1.0, 0.5, 0.0]],

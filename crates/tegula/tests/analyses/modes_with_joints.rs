@@ -48,6 +48,7 @@ fn two_bodies_on_slides_drift_and_vibrate_against_their_spring() {
         vec![body("a", [0.0; 3], 2.0, Some([0.1; 3])), body("b", [1.0, 0.0, 0.0], 3.0, Some([0.2; 3]))];
     let mut model = Model::of_bodies(modal(2, false), bodies, vec![slide("a"), slide("b")]);
     model.springs = vec![SpringDamper {
+        across: None,
         name: "spring".into(),
         between: between("a", "b"),
         points: [[0.0; 3], [1.0, 0.0, 0.0]],
@@ -62,7 +63,16 @@ fn two_bodies_on_slides_drift_and_vibrate_against_their_spring() {
 
 fn to_ground(name: &str, body: &str, points: [[f64; 3]; 2], stiffness: f64) -> SpringDamper {
     let between = between("ground", body);
-    SpringDamper { name: name.into(), between, points, stiffness, damping: 0.0, force: None, length: None }
+    SpringDamper {
+        across: None,
+        name: name.into(),
+        between,
+        points,
+        stiffness,
+        damping: 0.0,
+        force: None,
+        length: None,
+    }
 }
 
 /// A point mass and a body on three springs to the ground: ω² = k/m along each; rotations of the body are free.
@@ -122,6 +132,7 @@ fn separate_mechanisms_of_unlike_stiffness_keep_their_own_modes() {
     let slides = ["a", "b", "c", "d"].map(slide).to_vec();
     let mut model = Model::of_bodies(modal(6, false), bodies, slides);
     let spring = |a: &str, b: &str, stiffness| SpringDamper {
+        across: None,
         name: format!("{a} to {b}"),
         between: between(a, b),
         points: [[0.0; 3], [1.0, 0.0, 0.0]],
@@ -319,6 +330,7 @@ fn a_body_that_stands_on_a_hinge_needs_a_spring_of_m_g_over_l() {
         let mut model = Model::of_bodies(analysis, vec![bob], vec![hinge]);
         model.loads = gravity([0.0, 0.0, -9.81]);
         model.springs = vec![SpringDamper {
+            across: None,
             name: "spring".into(),
             between: between("ground", "bob"),
             points: [[-1.0, 0.0, 0.4], [0.0, 0.0, 0.4]],

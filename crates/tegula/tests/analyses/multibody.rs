@@ -26,6 +26,7 @@ pub fn between(a: &str, b: &str) -> [String; 2] {
 /// A spring that is free of force at the start.
 pub fn spring(name: &str, [a, b]: [&str; 2], points: [[f64; 3]; 2], stiffness: f64) -> SpringDamper {
     SpringDamper {
+        across: None,
         name: name.into(),
         between: between(a, b),
         points,

@@ -101,6 +101,7 @@ fn bodies_without_a_shape_reach_from_their_mass_centre_to_their_joints() {
     let mut model = machine(0.3, 0.01, bodies, joints);
     model.loads = gravity([0.0, -9.81, 0.0]);
     model.springs = vec![SpringDamper {
+        across: None,
         name: "spring".into(),
         between: between("ground", "bar"),
         points: [[0.0, 3.0, 0.0], [1.0, 0.0, 0.0]],

@@ -157,6 +157,7 @@ fn a_nut_on_a_spring_vibrates_with_its_inertia_of_rotation() {
     model.analysis = modal(1, false);
     let far: [f64; 3] = (axis() * 2.0).into();
     model.springs = vec![SpringDamper {
+        across: None,
         name: "spring".into(),
         between: between("ground", "nut"),
         points: [far, [0.0; 3]],

@@ -11,6 +11,7 @@ use tegula::{Error, compile, mesh};
 /// A spring from the ground to the mass `bob` at the origin, 2 long along x, with this elongation at the start.
 fn spring(force: &str, elongation: f64) -> SpringDamper {
     SpringDamper {
+        across: None,
         name: "soft".into(),
         between: between("ground", "bob"),
         points: [[-2.0, 0.0, 0.0], [0.0; 3]],
@@ -417,6 +418,7 @@ fn on_slide(force: &str, analysis: Analysis) -> Model {
     let mass = body("m", [1.0, 0.0, 0.0], 1.0, Some([1.0; 3]));
     let slide = crate::multibody::axis_joint("slide", "ground", "m", [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
     let spring = SpringDamper {
+        across: None,
         name: "s".into(),
         between: between("ground", "m"),
         points: [[0.0; 3], [1.0, 0.0, 0.0]],

@@ -4,6 +4,7 @@ use crate::common::Notes;
 use crate::multibody::{between, body, machine, revolute, run};
 use tegula::analysis::modal;
 use tegula::analysis::{Observer, Silent, Step, dynamics, statics};
+use tegula::element::{ElementGroup, GroupPoint, InternalVariables, Motion, TangentRequest, TangentWeights};
 use tegula::model::*;
 use tegula::norm::larger;
 use tegula::result::bodies::torsion_angles_and_moments;
@@ -178,30 +179,41 @@ fn the_tangent_is_the_derivative_of_the_forces() {
 }
 
 fn tangent_is_derivative(spring: TorsionSpring) {
-    use tegula::element::{
-        ElementGroup, GroupPoint, InternalVariables, Motion, TangentRequest, TangentWeights,
-    };
     let model = wheel(1.0, 0.1, spring);
     let mesh = mesh::generators::generate(&model.mesh).unwrap();
     let system = compile::build(&model, &mesh).unwrap();
     let (_, [group, _]) = system.torsion_springs[0];
     let group: &dyn ElementGroup = system.groups[group].as_ref();
-    let n = group.vectors_per_element();
-    let u: Vec<[f64; 3]> = (0..system.vectors())
-        .map(|v| std::array::from_fn(|i| 0.3 * ((3 * v + i) as f64 * 1.7 + 0.4).sin()))
-        .collect();
+    let u = displaced(&system);
     // The spring has turned by a whole turn before.
     let angle = &system.torsion_springs[0].0.angle;
     let at = |v: &u32| Vec3::from(system.coordinates.reference[*v as usize]) + Vec3::from(u[*v as usize]);
     let [sine, cosine] = angle.forms(&angle.vectors.iter().map(at).collect::<Vec<_>>());
-    let history = [std::f64::consts::TAU + sine.atan2(cosine) + 0.3];
+    let mut history = vec![std::f64::consts::TAU + sine.atan2(cosine) + 0.3];
+    history.extend(angle.rotation(|v| at(&v)).numbers());
+    tangent_of_group_is_derivative(&system, group, (&u, &history));
+}
+
+/// Displacements of all nodal vectors, as large as directors.
+pub fn displaced(system: &tegula::System) -> Vec<[f64; 3]> {
+    let of_vector = |v: usize| std::array::from_fn(|i| 0.3 * ((3 * v + i) as f64 * 1.7 + 0.4).sin());
+    (0..system.vectors()).map(of_vector).collect()
+}
+
+/// The tangent of the first element of a group at these displacements, with these history variables, is the derivative of its forces.
+pub fn tangent_of_group_is_derivative(
+    system: &tegula::System,
+    group: &dyn ElementGroup,
+    (u, history): (&[[f64; 3]], &[f64]),
+) {
+    let n = group.vectors_per_element();
     let evaluate = |u: &[[f64; 3]], request: Option<TangentRequest>| {
         let mut forces = vec![0.0; 3 * n];
         let k = GroupPoint {
             reference: &system.coordinates.reference,
             motion: Motion::State { u, velocity: None },
             linear: false,
-            interior: InternalVariables { history: &history, factors: &[] },
+            interior: InternalVariables { history, factors: &[] },
             inextensible: &[],
             multipliers: &[],
             time: 0.0,
@@ -217,7 +229,7 @@ fn tangent_is_derivative(spring: TorsionSpring) {
         prescribed: None,
         blocks: &mut blocks,
     };
-    evaluate(&u, Some(request));
+    evaluate(u, Some(request));
     let entry = |row: usize, column: usize| {
         let (a, b) = (row / 3, column / 3);
         let at = |a: usize, b: usize, i: usize, j: usize| blocks[9 * (a * (a + 1) / 2 + b) + 3 * i + j];
@@ -227,7 +239,7 @@ fn tangent_is_derivative(spring: TorsionSpring) {
     for column in 0..3 * n {
         let vector = group.vectors(0)[column / 3] as usize;
         let moved = |step: f64| {
-            let mut u = u.clone();
+            let mut u = u.to_vec();
             u[vector][column % 3] += step;
             evaluate(&u, None)
         };
@@ -381,6 +393,7 @@ fn preloaded_springs_may_move_a_body_along_its_weight() {
         let block = body("block", [0.0; 3], 1.0, Some([0.1; 3]));
         let mut model = Model::of_bodies(Analysis::Static(options.clone()), vec![block], vec![slide]);
         model.springs = vec![SpringDamper {
+            across: None,
             name: "coil".into(),
             between: between("ground", "block"),
             points: [[0.0, 0.0, 1.0], [0.0; 3]],

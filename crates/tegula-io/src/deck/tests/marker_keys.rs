@@ -68,6 +68,7 @@ fn all_points_and_directions_take_markers() {
         ".joints.axes Direction",
         ".joints.points Point",
         ".springs.points Point",
+        ".springs.across Direction",
         ".torsion_springs.axis Direction",
         ".sensors.at Point",
         ".sensors.points Point",
