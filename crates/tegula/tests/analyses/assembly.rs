@@ -7,7 +7,7 @@ use tegula::analysis::{Silent, State, dynamics, modal as modes, statics};
 use tegula::model::*;
 use tegula::norm::max_norm;
 use tegula::result::joint_reaction;
-use tegula::{System, Vec3, compile, mesh};
+use tegula::{Mat3, System, Vec3, compile, mesh};
 
 pub const Z: [f64; 3] = [0.0, 0.0, 1.0];
 pub const INERTIA: [f64; 3] = [0.02, 0.3, 0.31];
@@ -542,6 +542,28 @@ fn the_nearest_position_depends_neither_on_the_order_of_sides_nor_on_units() {
             (place - other).norm() < 1e-7 && (axes - turned).norm() < 1e-7,
             "{swapped:?} {place} {other}"
         );
+    }
+}
+
+/// Both sides of a fixed joint keep the orientation in which they are drawn, also where a third of a turn about a diagonal of its axes would bring the points together
+/// by a shorter way.
+#[test]
+fn the_sides_of_a_fixed_joint_do_not_turn() {
+    for at in [[1.0, 0.4, 0.0], [0.3, 0.9, -0.2], [0.7, -0.8, 0.5], [-0.4, 0.6, 0.9]] {
+        for (second, inertia) in [([0.0, 1.0, 0.4], 1e-3), ([0.4, 0.0, 1.0], 1e-3), ([-0.8, 0.5, 0.7], 0.3)] {
+            let joint = Joint::Fixed(PointJoint {
+                name: "weld".into(),
+                between: between("ground", "part"),
+                at,
+                second_at: Some(second),
+            });
+            let part = body("part", [0.1, 0.0, 0.0], 2.0, Some([inertia; 3]));
+            let system = built(&machine(1.0, 0.1, vec![part], vec![joint]));
+            let (place, axes) = pose(&system, &State::first(&system), 0);
+            let expected = Vec3::new(0.1, 0.0, 0.0) + Vec3::from(at) - Vec3::from(second);
+            assert!((axes - Mat3::identity()).norm() < 1e-10, "{at:?} {second:?} {axes}");
+            assert!((place - expected).norm() < 1e-10, "{at:?} {second:?} {place}");
+        }
     }
 }
 

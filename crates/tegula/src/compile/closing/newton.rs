@@ -19,6 +19,8 @@ use crate::{Mat3, Vec3};
 
 /// Part of the model's size by which bodies are still off the nearest position.
 const NEAREST: f64 = 1e-13;
+/// Part of the model's size off the nearest position within which only whole steps are taken: what they do not reach is round-off.
+const NEAR: f64 = 1e-9;
 /// Smallest part of a step.
 const SHORTEST: f64 = 1e-6;
 /// Diagonal entry of the triangular factor over the largest one, below which a constraint depends on others.
@@ -47,19 +49,21 @@ impl Closing<'_> {
             let turn = max_norm(step.direction.iter().map(|[_, rotation]| rotation.norm()));
             let mut part = f64::min(1.0, LARGEST_TURN / turn);
             let value = self.value(aim, x);
+            let is_near = step.slope <= NEAR * self.scale;
             let accepted = loop {
                 let mut trial = self.moved(x, part, &step.direction);
                 self.close(&mut trial);
                 let less = self.value(aim, &trial) - value;
+                // Near the minimum f changes by less than its round-off; there the gradient tells how near it is.
                 if self.is_closed(&trial)
+                    && less <= ROUND_OFF * self.scale * self.scale
                     && let Some(next) = self.newton_step(aim, &trial)
-                    // Near the minimum f changes by less than its round-off.
-                    && (less < 0.0 || less <= ROUND_OFF * self.scale * self.scale && next.slope < step.slope)
+                    && (less < 0.0 && !is_near || next.slope < 0.5 * step.slope)
                 {
                     break Some((trial, next));
                 }
                 part *= 0.5;
-                if !(part >= SHORTEST) {
+                if !(part >= SHORTEST) || is_near {
                     break None;
                 }
             };

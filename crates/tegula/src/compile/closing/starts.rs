@@ -1,16 +1,16 @@
 //! Places at which the search for the nearest position begins.
 //!
-//! The joints are closed from the reference configuration and from positions in which the bodies are turned at random. Where that leads to open joints,
-//! or to axes that lie half a turn away, the bodies are placed one after the other from the ground or the heaviest body on, each closing its joints with those that
-//! are placed: the joints of a mechanism without loops are closed so, whatever the masses, and those of loops but for the last ones.
+//! They are the reference configuration and positions in which the bodies are turned at random. From there the bodies are placed one after the other from the ground or
+//! the heaviest body on, each closing its joints with those that are placed: the joints of a mechanism without loops are closed so, whatever the masses, and those
+//! of loops but for the last ones. Then all joints are closed together.
 
 use super::{Closing, Movable};
 use crate::Vec3;
 use crate::constraint::Joint;
 use crate::mesh::Random;
 
-/// Positions with turned bodies: least number, sum over the bodies, most.
-const STARTS: [usize; 3] = [8, 400, 48];
+/// Positions with turned bodies: least number, product with the square of the number of bodies (of which each takes a time that grows with its cube), most.
+const STARTS: [usize; 3] = [2, 4800, 48];
 /// Largest angles by which bodies are turned there (rad).
 const TURNS: [f64; 4] = [3.1, 0.05, 1.5, 0.5];
 /// Distance over that of the nearest position so far, below which another one is nearer.
@@ -21,23 +21,14 @@ impl Closing<'_> {
     /// `None` where none is closed.
     pub(in crate::compile) fn nearest(&self, x: Vec<Vec3>, axes: &[Vec3]) -> Option<Vec<Vec3>> {
         let mut best: Option<(f64, Vec<Vec3>)> = None;
-        let count = (STARTS[1] / self.bodies.len().max(1)).clamp(STARTS[0], STARTS[2]);
+        let count = (STARTS[1] / self.bodies.len().max(1).pow(2)).clamp(STARTS[0], STARTS[2]);
         for number in 0..=count + 1 {
             let start = match number {
                 0 => x.clone(),
                 1 => self.reference.to_vec(),
                 _ => self.turned(number - 1, axes),
             };
-            let mut trial = start.clone();
-            self.close(&mut trial);
-            if number == 1 || !self.is_closed(&trial) {
-                trial = start;
-                self.place_one_by_one(&mut trial);
-                self.close(&mut trial);
-            }
-            if !self.is_closed(&trial) {
-                continue;
-            }
+            let Some(mut trial) = self.closed_from(start, number > 0) else { continue };
             self.approach(&super::Aim::Reference, &mut trial);
             let distance = self.distance(&trial);
             if best.as_ref().is_none_or(|(least, _)| distance < NEARER * least) {
@@ -47,7 +38,23 @@ impl Closing<'_> {
         best.map(|(_, x)| x)
     }
 
-    /// Reference positions in which each body is turned by a random angle, about an axis of the joints or one of its own.
+    /// Closed position that is reached from this one, also with the bodies placed one by one before, or not.
+    fn closed_from(&self, start: Vec<Vec3>, placed: bool) -> Option<Vec<Vec3>> {
+        for one_by_one in [placed, !placed] {
+            let mut trial = start.clone();
+            if one_by_one {
+                self.place_one_by_one(&mut trial);
+            }
+            self.close(&mut trial);
+            if self.is_closed(&trial) {
+                return Some(trial);
+            }
+        }
+        None
+    }
+
+    /// Reference positions in which each body is turned by a random angle, about an axis of the joints, along which it is displaced, or about one of its own: a
+    /// screw has a position for each turn of its thread.
     fn turned(&self, number: usize, axes: &[Vec3]) -> Vec<Vec3> {
         let mut random = Random(number as u64);
         let largest = TURNS[number / 2 % TURNS.len()];
@@ -56,7 +63,9 @@ impl Closing<'_> {
         for body in self.bodies {
             let own = Vec3::from_fn(|_, _| random.symmetric());
             let axis = common.unwrap_or(&own).normalize();
-            body.turn(&[Vec3::zeros(), axis * (largest * random.symmetric())], &mut x);
+            let shift = if common.is_some() { 0.5 * self.length * largest / TURNS[0] } else { 0.0 };
+            let [shift, angle] = [shift, largest].map(|most| axis * (most * random.symmetric()));
+            body.turn(&[shift, angle], &mut x);
         }
         x
     }

@@ -15,6 +15,8 @@ impl JointKind for Fixed {
         out.coincident(keys.at);
         for (a, b) in [(Vec3::x(), Vec3::y()), (Vec3::y(), Vec3::z()), (Vec3::z(), Vec3::x())] {
             out.constant_product(&a, &b);
+            // The products vanish, too, where the axes are exchanged in turn, by a third of a turn about their diagonal.
+            out.not_opposite(&a);
         }
     }
 

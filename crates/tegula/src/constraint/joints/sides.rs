@@ -89,7 +89,7 @@ impl Constraints {
         [self.ends[0].point(at), self.ends[1].point(&self.second.point(at))]
     }
 
-    /// Excludes that an axis is closed half a turn away, where the last constraint holds, too.
+    /// Excludes that an axis is closed half a turn away, or where it lies along another one of the joint, where the last constraint holds, too.
     pub(super) fn not_opposite(&mut self, axis: &Vec3) {
         if !self.second.one_way {
             return;
@@ -98,6 +98,8 @@ impl Constraints {
         if let (Some((first, second)), Some(row)) = (axes, self.rows.last_mut()) {
             let mut form = Row::default();
             form.add_product(&mut self.vectors, 1.0, &first, &second);
+            // Axes along another one have the product 0.
+            form.add_constant(-0.5);
             row.keep_positive(form);
         }
     }
