@@ -261,6 +261,7 @@ fn distinct(system: &System) -> CheckpointData {
         load: rate,
         work,
         determinant_sign: -1,
+        crossings: Some(2),
     };
     state.path = Some(Box::new(PathState {
         position,

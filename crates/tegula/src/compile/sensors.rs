@@ -92,7 +92,7 @@ fn measure(
                     "name rigid bodies, nodes of beams or the ground",
                 );
             }
-            angle.map(Measure::Angle)
+            angle.map(|angle| Measure::Angle(Box::new(angle)))
         }
         model::Sensor::Point(keys) => point(place, (key, keys), c),
         model::Sensor::Volume(keys) => volume(place, (key, keys), c),

@@ -20,7 +20,7 @@ pub enum Measure {
     /// Distance of two points.
     Distance([Attachment; 2]),
     /// Angle of the second end relative to the first one. Angles of sensors continue over full turns; the state holds them.
-    Angle(RelativeAngle),
+    Angle(Box<RelativeAngle>),
     /// Motion of a point.
     Point(Attachment),
     /// Reaction of the joint with this number.

@@ -33,7 +33,7 @@ pub struct Spring {
     law: SpringLaw,
 }
 
-/// What the length of a spring is.
+/// Meaning of the length of a spring.
 #[derive(Debug, Clone, PartialEq)]
 enum Measure {
     /// Distance of two points: weights of the nodal vectors in the vector between them, and its constant part.

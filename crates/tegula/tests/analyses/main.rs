@@ -57,6 +57,7 @@ mod modes;
 mod modes_with_joints;
 mod multibody;
 mod nearest_assembly;
+mod nearest_positions;
 mod nonlinear_materials;
 mod outlines;
 mod patch_refusals;

@@ -139,7 +139,7 @@ fn a_spring_beside_a_tilt_of_180_degrees_keeps_its_turns_in_long_steps() {
                 ..torsion_spring(["ground", "b"], [0.0, 0.0, 1.0], 0.001)
             }];
             let Analysis::Transient(options) = &mut model.analysis else { unreachable!() };
-            options.scheme = scheme.clone();
+            options.scheme = scheme;
             let (system, state) = run(&model, &mut Silent);
             sensor_values(&system, &state)[0]
         };
