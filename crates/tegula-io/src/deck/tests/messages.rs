@@ -251,6 +251,6 @@ fn springs_and_torsion_springs_have_formulas_of_their_own() {
     assert_eq!(spring("force = \"20*x\""), "");
     insta::assert_snapshot!(spring("moment = \"20*x\""), @r#"
     m.toml:29:1: springs[0].moment: unknown key "moment"
-      help: "moment" is a key of "torsion_springs"; here there are "name", "between", "points", "stiffness", "damping", "force", "length"
+      help: "moment" is a key of "torsion_springs"; here there are "name", "between", "points", "stiffness", "damping", "force", "across", "length"
     "#);
 }
