@@ -450,9 +450,15 @@ impl<'a> Compiler<'a> {
         issues.extend(drilling_components(&followers, &load_of_follower, vectors, mesh));
         let added = added_masses(model, mesh, vectors);
         let procedure = procedure(&model.analysis);
-        let reductions: Vec<_> =
-            self.groups.iter().map(|group| Reduction::new(group.as_ref(), frames.dofs())).collect();
-        let pattern = self.pattern(procedure, &frames, (&followers, &reductions), &added)?;
+        let reductions = self
+            .groups
+            .iter()
+            .map(|group| Reduction::new((0..group.len()).map(|e| group.vectors(e)), frames.dofs()));
+        let reductions: Vec<_> = reductions.collect();
+        let reduction_of_followers =
+            Reduction::new(followers.iter().map(FollowerLoad::vectors), frames.dofs());
+        let loads = (followers.as_slice(), reduction_of_followers.as_ref());
+        let pattern = self.pattern(procedure, &frames, (&reductions, loads), &added)?;
         let initial_velocity = self.initial_velocities(step, (&frames, start.as_ref()), &mut issues);
         let mut system = System {
             coordinates: Arc::clone(&vectors.coordinates),
@@ -461,6 +467,7 @@ impl<'a> Compiler<'a> {
             groups,
             offsets: Arc::clone(&self.offsets),
             reductions,
+            reduction_of_followers,
             joints,
             beams: Arc::clone(&self.beams),
             springs: Arc::clone(&self.springs),

@@ -13,7 +13,7 @@ impl Compiler<'_> {
         &self,
         procedure: Procedure,
         frames: &LocalFrames,
-        (followers, reductions): (&[FollowerLoad], &[Option<Reduction>]),
+        (reductions, followers): (&[Option<Reduction>], (&[FollowerLoad], Option<&Reduction>)),
         added: &[(u32, u32, f64)],
     ) -> Result<Pattern> {
         let mut builder = PatternBuilder::new(procedure.has_tangent_pattern());
@@ -25,28 +25,39 @@ impl Compiler<'_> {
         }
         if procedure != Procedure::Explicit {
             for (group, reduction) in self.groups.iter().zip(reductions) {
-                for first in (0..group.len()).step_by(BATCH) {
-                    let batch = first..group.len().min(first + BATCH);
-                    for e in batch.clone() {
-                        if reduction.as_ref().is_some_and(|reduction| reduction.contains(e)) {
-                            builder.pass_over(group.vectors(e), group.mass(e));
-                        } else {
-                            builder.element(group.vectors(e), group.mass(e));
-                        }
-                    }
-                    for vectors in reduction.iter().flat_map(|reduction| reduction.vectors(batch.clone())) {
-                        builder.reduced(vectors);
-                    }
-                    builder.end_batch();
-                }
+                let element = |e: usize| (group.vectors(e), group.mass(e));
+                add_batches(&mut builder, group.len(), reduction.as_ref(), element);
             }
-            for load in followers {
-                builder.element(load.vectors(), &[]);
-            }
+            let (loads, reduction) = followers;
+            add_batches(&mut builder, loads.len(), reduction, |load| (loads[load].vectors(), &[]));
             for &(a, b, m) in added {
                 builder.mass(a, b, m);
             }
         }
         builder.build(self.vectors.coordinates.reference.len(), frames)
+    }
+}
+
+/// Adds a number of contributions, given by their nodal vectors and masses, in batches; reduced ones of a batch lie behind it.
+fn add_batches<'a>(
+    builder: &mut PatternBuilder,
+    number: usize,
+    reduction: Option<&Reduction>,
+    contribution: impl Fn(usize) -> (&'a [u32], &'a [f64]),
+) {
+    for first in (0..number).step_by(BATCH) {
+        let batch = first..number.min(first + BATCH);
+        for e in batch.clone() {
+            let (vectors, mass) = contribution(e);
+            if reduction.is_some_and(|reduction| reduction.contains(e)) {
+                builder.pass_over(vectors, mass);
+            } else {
+                builder.element(vectors, mass);
+            }
+        }
+        for vectors in reduction.iter().flat_map(|reduction| reduction.vectors(batch.clone())) {
+            builder.reduced(vectors);
+        }
+        builder.end_batch();
     }
 }

@@ -38,32 +38,6 @@ pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     found
 }
 
-/// A pressure or a moment that follows nodes which are attached to a body: the part of its stiffness that the rotation of the body makes is left out.
-fn pressure_on_bodies(model: &Model, system: &System) -> Option<Issue> {
-    if system.linear || matches!(model.analysis, Analysis::Transient(_)) {
-        return None;
-    }
-    let attached = |v: &u32| system.dofs().attachment(*v as usize).is_some();
-    let on_bodies = system.followers.iter().flat_map(|load| load.vectors().iter().filter(|v| attached(v)));
-    let vectors: BTreeSet<u32> = on_bodies.copied().collect();
-    let has =
-        |body: &&crate::system::coordinates::Body| body.attached.iter().any(|a| vectors.contains(&a.vector));
-    let names: Vec<String> =
-        system.coordinates.bodies.iter().filter(has).map(|body| format!("\"{}\"", body.name)).collect();
-    (!names.is_empty()).then(|| {
-        Issue::new(
-            "loads",
-            format!(
-                "a pressure or a moment acts on nodes that are attached to {}: its forces turn with the body, but what they change by the rotation of the body \
-                 is left out of the stiffness. Where the body can turn, buckling loads, critical points, stability and modes under this load are those of \
-                 forces of constant direction there, and load steps may fail",
-                names.join(", ")
-            ),
-            "let the surface of the load end at the attached nodes, load the body itself, or follow the motion in a transient analysis",
-        )
-    })
-}
-
 /// A model whose distance from the origin takes the digits that the positions within it need.
 fn far_from_the_origin(system: &System) -> Option<Issue> {
     let coordinates = &system.coordinates;
@@ -131,7 +105,6 @@ fn independent_of_the_start(model: &Model, mesh: &Mesh, system: &System) -> Vec<
     found.extend(prism(model, mesh, system));
     found.extend(coarse_steps(model, system));
     found.extend(far_from_the_origin(system));
-    found.extend(pressure_on_bodies(model, system));
     found.extend(shared_thickness_strains(model, system));
     for (i, section) in model.sections.iter().enumerate() {
         let shells = || system.shells.iter().filter(|shell| shell.section == i);

@@ -156,8 +156,10 @@ impl FollowerLoad {
                 (k[1][0], k[1][1], k[1][2]) = (couple_t, -couple_t, -couple_d);
                 (k[2][0], k[2][1], k[2][2]) = (director_t, -director_t, -director_d);
             }
-            // The directors of a rigid body are no degrees of freedom, and its rotation does not change the moment.
-            Self::BodyMoment { .. } => {}
+            // A rotation does not change `D Dᵀ`, nor w.
+            Self::BodyMoment { moment, .. } => {
+                (0..3).for_each(|i| k[i][i] = moment.cross_matrix() * -0.5);
+            }
             Self::Own { load, .. } => k = load.0.stiffness(x),
         }
         k
@@ -279,6 +281,30 @@ mod tests {
                 }
             }
             assert!(skew > 0.1, "the case must have a skew part: {load:?}");
+        }
+    }
+
+    /// The moment of the forces on the directors of a body does not change as the body turns. A change δθ × d_i of the directors in the forces alone
+    /// changes it by half of what the turn of their arms takes away again.
+    #[test]
+    fn derivative_of_a_moment_on_a_body_is_that_of_its_forces_along_rotations() {
+        let moment = Vec3::new(0.3, -1.0, 0.5);
+        let load = FollowerLoad::BodyMoment { directors: [0, 1, 2], moment, factor: LoadFactor::default() };
+        let directors = nalgebra::Rotation3::new(Vec3::new(0.4, -0.7, 0.2)).into_inner();
+        let columns = |d: &Mat3| -> Vec<Vec3> { d.column_iter().map(Into::into).collect() };
+        let forces = |d: &Mat3| {
+            let mut f = [[0.0; 3]; 3];
+            load.forces(&columns(d), &mut f);
+            f.map(Vec3::from)
+        };
+        let k = load.derivative(&columns(&directors));
+        let (axis, h) = (Vec3::new(0.2, 0.5, -0.9), 1e-6);
+        let turned = |angle: f64| nalgebra::Rotation3::new(axis * angle).into_inner() * directors;
+        let [after, before] = [h, -h].map(|angle| forces(&turned(angle)));
+        for i in 0..3 {
+            let change = axis.cross(&columns(&directors)[i]);
+            let difference = (before[i] - after[i]) / (2.0 * h);
+            assert!((k[i][i] * change - difference).norm() < 1e-9, "director {i}");
         }
     }
 

@@ -13,6 +13,7 @@ use super::{GroupOffsets, LocalFrames, Reduction, System};
 use crate::Vec3;
 use crate::element::{ElementGroup, Motion, Nodal, TangentRequest, TangentWeights};
 use crate::lists::Lists;
+use crate::load::FollowerLoad;
 use crate::norm::larger;
 pub use stress_stiffness::LoadIncrement;
 
@@ -260,19 +261,10 @@ impl Assembly {
         }
         let w = &parts.weights;
         let direction = if k.linear { 0.0 } else { w.force * w.direction };
-        for loads in system.followers.chunks(BATCH) {
-            let mut rest = blocks.as_mut_slice();
-            for load in loads {
-                let n = load.vectors().len();
-                let (b, others) = rest.split_at_mut(9 * pairs(n));
-                let mut x = [Vec3::zeros(); 4];
-                current(system, &k.motion, load.vectors(), &mut x);
-                load.stiffness(&x[..n], b);
-                let factor = direction * system.factor(load.factor(), parts.time);
-                b.iter_mut().for_each(|v| *v *= factor);
-                rest = others;
-            }
-            take(None, blocks, (frames, values));
+        let factor = |load: &FollowerLoad| direction * system.factor(load.factor(), parts.time);
+        for first in (0..system.followers.len()).step_by(BATCH) {
+            let size = load_stiffness(system, &k.motion, (first, &factor), frames, blocks);
+            take(None, &blocks[..size], (frames, values));
         }
     }
 
@@ -499,18 +491,51 @@ pub(super) fn pairs(vectors: usize) -> usize {
     vectors * (vectors + 1) / 2
 }
 
-/// Largest number of blocks in a batch of elements, with the reduced ones, or of follower loads.
+/// Largest number of blocks in a batch of elements or follower loads, with the reduced ones.
 fn largest_batch(system: &System) -> usize {
+    let reduced = |reduction: Option<&Reduction>, first: usize| {
+        reduction.map_or(0, |reduction| reduction.blocks(first..first + BATCH))
+    };
     let groups = system.groups.iter().zip(&system.reductions).map(|(g, reduction)| {
         let own = g.len().min(BATCH) * pairs(g.vectors_per_element());
-        let reduced = |r: &Reduction| {
-            let starts = (0..g.len()).step_by(BATCH);
-            starts.map(|first| r.blocks(first..first + BATCH)).max().unwrap_or(0)
-        };
-        own + reduction.as_ref().map_or(0, reduced)
+        let starts = (0..g.len()).step_by(BATCH);
+        own + starts.map(|first| reduced(reduction.as_ref(), first)).max().unwrap_or(0)
     });
-    let loads = system.followers.chunks(BATCH);
-    groups.chain(loads.map(|l| l.iter().map(|load| pairs(load.vectors().len())).sum())).max().unwrap_or(0)
+    let loads = system.followers.chunks(BATCH).enumerate().map(|(batch, loads)| {
+        let own: usize = loads.iter().map(|load| pairs(load.vectors().len())).sum();
+        own + reduced(system.reduction_of_followers.as_ref(), batch * BATCH)
+    });
+    groups.chain(loads).max().unwrap_or(0)
+}
+
+/// Writes the symmetric load stiffness of the batch of follower loads that begins with number `first`, each times a factor, and behind it
+/// the blocks that are reduced to the degrees of freedom of rigid bodies. Returns the size of both.
+fn load_stiffness(
+    system: &System,
+    motion: &Motion,
+    (first, factor): (usize, &dyn Fn(&FollowerLoad) -> f64),
+    frames: &LocalFrames,
+    blocks: &mut [f64],
+) -> usize {
+    let batch = first..system.followers.len().min(first + BATCH);
+    let mut size = 0;
+    for load in &system.followers[batch.clone()] {
+        let n = load.vectors().len();
+        let own = &mut blocks[size..size + 9 * pairs(n)];
+        let mut x = [Vec3::zeros(); 4];
+        current(system, motion, load.vectors(), &mut x);
+        load.stiffness(&x[..n], own);
+        let factor = factor(load);
+        own.iter_mut().for_each(|v| *v *= factor);
+        size += own.len();
+    }
+    if let Some(reduction) = &system.reduction_of_followers {
+        let (own, reduced) = blocks.split_at_mut(size);
+        let reduced = &mut reduced[..9 * reduction.blocks(batch.clone())];
+        reduction.reduce(batch, frames, own, reduced);
+        size += reduced.len();
+    }
+    size
 }
 
 /// Nodal vectors of the configuration on which the forces of a motion act.

@@ -10,7 +10,7 @@
 //!
 //! (K. Schweizerhof, E. Ramm, *Displacement dependent pressure loads in nonlinear finite element analyses*, Comput.
 //! Struct. 18 (1984) 1099–1114). For a moment on a director it is `−(m·d) [d]×/|d|⁴`, which vanishes with the drilling
-//! component. The name is that of circulatory forces: H. Ziegler, *Principles of structural stability*, 1968.
+//! component; for one on a rigid body it is `−½ [m]×` of its rotation. The name is that of circulatory forces: H. Ziegler, *Principles of structural stability*, 1968.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ use super::LocalFrames;
 use super::assembly::TangentCoefficients;
 use super::dof_map::CONSTRAINED;
 use super::evaluation_point::current_vector;
-use super::{System, VectorKind};
+use super::{Procedure, System, VectorKind};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::load::{FollowerLoad, LoadFactor};
 use crate::{Mat3, Vec3};
@@ -89,11 +89,18 @@ pub struct CirculatoryStiffness {
 }
 
 impl CirculatoryStiffness {
-    /// Lists the nodal vectors concerned; no stiffness is computed yet.
+    /// Lists the nodal vectors concerned; no stiffness is computed yet. Moments on rigid bodies and nodes of beams belong to it in statics: in
+    /// linear analyses the [work](System::skew_work_of_moments) of their skew stiffness in each mode tells whether it matters, and in time
+    /// steps the masses make it small beside the tangent.
     pub fn new(system: &System) -> Self {
         let edges = boundary(&system.followers);
-        let is_moment =
-            |l: &FollowerLoad| !matches!(l, FollowerLoad::Pressure { .. } | FollowerLoad::BodyMoment { .. });
+        let seeks_equilibria =
+            matches!(system.procedure, Procedure::Static | Procedure::IterativeStatic | Procedure::Path);
+        let is_moment = |l: &FollowerLoad| match l {
+            FollowerLoad::Pressure { .. } => false,
+            FollowerLoad::BodyMoment { .. } => seeks_equilibria,
+            _ => true,
+        };
         let moments: Vec<u32> =
             (0u32..).zip(&system.followers).filter(|(_, l)| is_moment(l)).map(|(n, _)| n).collect();
         let of_moment = |&n: &u32| system.followers[n as usize].vectors().iter().copied();
@@ -102,13 +109,26 @@ impl CirculatoryStiffness {
         vectors.sort_unstable();
         vectors.dedup();
         let mut coordinates = Vec::new();
-        for v in vectors.into_iter().map(|v| v as usize) {
-            let scale =
-                if system.coordinates.kinds[v] == VectorKind::Position { 1.0 / system.length } else { 1.0 };
-            let free = system.frames.of(v).into_iter().filter(|&n| n != CONSTRAINED);
-            coordinates.extend(free.map(|n| (n, scale)));
+        for v in vectors {
+            let moved: Vec<u32> = match system.dofs().carried(v as usize) {
+                None => vec![v],
+                Some(attached) => {
+                    let rotation = system.dofs().triads[attached.triad as usize][0];
+                    attached.centre.into_iter().chain([rotation]).collect()
+                }
+            };
+            for v in moved.into_iter().map(|v| v as usize) {
+                let scale = if system.coordinates.kinds[v] == VectorKind::Position {
+                    1.0 / system.length
+                } else {
+                    1.0
+                };
+                let free = system.frames.of(v).into_iter().filter(|&n| n != CONSTRAINED);
+                coordinates.extend(free.map(|n| (n, scale)));
+            }
         }
         coordinates.sort_by_key(|(n, _)| *n);
+        coordinates.dedup_by_key(|(n, _)| *n);
         let (support, scales) = coordinates.into_iter().unzip();
         let pairs = |&n: &u32| {
             let n = system.followers[n as usize].vectors().len();
@@ -211,17 +231,9 @@ impl CirculatoryStiffness {
     /// `out = N x` for free degrees of freedom along the axes of `frames`.
     pub fn product(&self, frames: &LocalFrames, x: &[f64], out: &mut [f64]) {
         out.fill(0.0);
-        let read = |v: u32| {
-            let local = frames.of(v as usize).map(|n| x.get(n as usize).copied().unwrap_or(0.0));
-            Vec3::from(frames.to_global(v as usize, local))
-        };
+        let read = |v: u32| frames.expand_one(v as usize, |n| x.get(n as usize).copied().unwrap_or(0.0));
         let mut add = |v: u32, value: Vec3| {
-            let local = frames.to_local(v as usize, value.into());
-            for (n, value) in frames.of(v as usize).into_iter().zip(local) {
-                if let Some(out) = out.get_mut(n as usize) {
-                    *out += value;
-                }
-            }
+            frames.reduce_one(v as usize, &value, |n, value| out[n as usize] += value);
         };
         for block in &self.blocks {
             add(block.row, block.values * read(block.column));

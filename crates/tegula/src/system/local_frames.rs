@@ -264,6 +264,18 @@ impl LocalFrames {
         }
     }
 
+    /// Change of one nodal vector, from values of the free degrees of freedom.
+    pub fn expand_one(&self, vector: usize, free: impl Fn(u32) -> f64) -> Vec3 {
+        let own = |v: usize| {
+            let local = self.of(v).map(|n| if n == CONSTRAINED { 0.0 } else { free(n) });
+            Vec3::from(self.to_global(v, local))
+        };
+        let Some(attached) = self.dofs.carried(vector) else { return own(vector) };
+        let rotation = own(self.dofs.triads[attached.triad as usize][0] as usize);
+        let translation = attached.centre.map_or_else(Vec3::zeros, |centre| own(centre as usize));
+        translation + rotation.cross(&self.arm(&attached))
+    }
+
     /// Changes `δd_i = δθ × d_i` of the directors of rigid bodies, of given free degrees of freedom, and those of the vectors
     /// attached to the bodies.
     pub fn expand_bodies(&self, free: &[f64], field: &mut [Nodal]) {

@@ -181,6 +181,8 @@ pub struct System {
     pub offsets: Arc<Vec<GroupOffsets>>,
     /// Reduction of each group to the degrees of freedom of rigid bodies, where it contains some.
     pub reductions: Vec<Option<Reduction>>,
+    /// Reduction of the follower loads; `None`: none of them acts on a body.
+    pub reduction_of_followers: Option<Reduction>,
     /// Joints; their constraint forces are those of the groups of joints.
     pub joints: Arc<Vec<Joint>>,
     /// Beams.

@@ -4,13 +4,13 @@
 use std::ops::Range;
 
 use super::assembly::pairs;
+use super::pattern::BATCH;
 use super::{Attached, DofMap, LocalFrames};
 use crate::Mat3;
-use crate::element::ElementGroup;
 
-/// Contributions of a group that contain directors of rigid bodies or vectors attached to bodies. In the tangent the first
-/// director of a body stands for its rotation, and the blocks of all others are transformed and added there, or to those of
-/// its position. Other contributions of the group go into the tangent as they are.
+/// Contributions of a group, or follower loads, that contain directors of rigid bodies or vectors attached to bodies. In the
+/// tangent the first director of a body stands for its rotation, and the blocks of all others are transformed and added there,
+/// or to those of its position. Other contributions go into the tangent as they are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reduction {
     /// Reduced contributions, ascending.
@@ -22,6 +22,8 @@ pub struct Reduction {
 struct Member {
     /// Number of the contribution in its group.
     number: usize,
+    /// Number of blocks of the contributions before it in its batch.
+    first_block: usize,
     /// Nodal vectors of the tangent.
     vectors: Vec<u32>,
     /// The nodal vectors of the contribution.
@@ -41,14 +43,21 @@ struct Part {
 type Term = (usize, Option<Mat3>);
 
 impl Reduction {
-    /// Reduction of a group; `None` if it contains nothing that moves with rigid bodies.
-    pub fn new(group: &dyn ElementGroup, dofs: &DofMap) -> Option<Self> {
+    /// Reduction of contributions with these nodal vectors; `None` if they contain nothing that moves with rigid bodies.
+    pub fn new<'a>(contributions: impl Iterator<Item = &'a [u32]>, dofs: &DofMap) -> Option<Self> {
         if dofs.triads.is_empty() {
             return None;
         }
-        let carried = |vectors: &[u32]| vectors.iter().any(|&v| dofs.is_carried(v as usize));
-        let numbers = (0..group.len()).filter(|&e| carried(group.vectors(e)));
-        let members: Vec<Member> = numbers.map(|e| Member::new(e, group.vectors(e), dofs)).collect();
+        let (mut members, mut blocks) = (Vec::new(), 0);
+        for (number, vectors) in contributions.enumerate() {
+            if number % BATCH == 0 {
+                blocks = 0;
+            }
+            if vectors.iter().any(|&v| dofs.is_carried(v as usize)) {
+                members.push(Member::new((number, blocks), vectors, dofs));
+            }
+            blocks += pairs(vectors.len());
+        }
         (!members.is_empty()).then_some(Self { members })
     }
 
@@ -77,13 +86,12 @@ impl Reduction {
         &self.members[at(range.start)..at(range.end)]
     }
 
-    /// Writes the lower blocks of the reduced contributions of a range, one after another, from the `blocks` of all
-    /// contributions of the range.
-    pub fn reduce(&self, range: Range<usize>, frames: &LocalFrames, blocks: &[f64], out: &mut [f64]) {
-        let (mut out, first) = (out, range.start);
-        for member in self.among(range) {
-            let own = 9 * pairs(member.parts.len());
-            let at = own * (member.number - first);
+    /// Writes the lower blocks of the reduced contributions of a batch, one after another, from the `blocks` of all
+    /// contributions of the batch.
+    pub fn reduce(&self, batch: Range<usize>, frames: &LocalFrames, blocks: &[f64], out: &mut [f64]) {
+        let mut out = out;
+        for member in self.among(batch) {
+            let (at, own) = (9 * member.first_block, 9 * pairs(member.parts.len()));
             let (target, others) = std::mem::take(&mut out).split_at_mut(9 * pairs(member.vectors.len()));
             member.reduce(frames, &blocks[at..at + own], target);
             out = others;
@@ -92,8 +100,8 @@ impl Reduction {
 }
 
 impl Member {
-    fn new(number: usize, vectors: &[u32], dofs: &DofMap) -> Self {
-        let mut out = Self { number, ..Self::default() };
+    fn new((number, first_block): (usize, usize), vectors: &[u32], dofs: &DofMap) -> Self {
+        let mut out = Self { number, first_block, ..Self::default() };
         for &v in vectors {
             let part = match dofs.carried(v as usize) {
                 Some(attached) => Part {

@@ -282,9 +282,8 @@ fn an_end_moment_rolls_a_beam_up_to_a_circle() {
     let constants = SectionConstants {
         axial: 1e6,
         shear: [1e6; 2],
-        // Stiff across the plane: a beam of equal stiffness buckles sideways where it has become half a circle.
-        bending: [100.0, 1e5],
-        torsion: 1e5,
+        bending: [100.0; 2],
+        torsion: 80.0,
         mass: 1.0,
         inertia: [1e-4; 2],
     };

@@ -4,12 +4,14 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use crate::common::{Notes, compile, cylinder, model, on, plate, vector_load};
+use crate::patches::{error_of_whole_tangent, hub};
 use crate::shell_joints::{clamp, mesh_of, on_edge};
 use tegula::analysis::path::{self, CriticalKind, PathOutcome};
+use tegula::analysis::statics;
 use tegula::compile::Compiler;
 use tegula::element::Nodal;
 use tegula::model::*;
-use tegula::{Mat3, Mesh, Vec3};
+use tegula::{Mat3, Mesh, System, Vec3};
 
 /// Length, width and thickness of the column, and its Young's modulus.
 const COLUMN: [f64; 3] = [10.0, 1.0, 0.05];
@@ -38,6 +40,9 @@ impl NodalLoad for FollowerForce {
         k
     }
 }
+
+/// Length of the beams.
+const BEAM: f64 = 10.0;
 
 /// Load of Euler of the column.
 fn euler() -> f64 {
@@ -103,6 +108,121 @@ fn columns_under_partial_follower_loads_bifurcate_by_divergence() {
     let options = PathAnalysis { end_load: 6.0, ..Default::default() };
     let (outcome, _) = loaded(column(16, false), 0.6, options);
     assert!(found(&outcome).is_empty() && outcome.state.time == 6.0);
+}
+
+/// A rigid body on the end of a column changes nothing, whether the load that follows the end acts on nodes that are attached to the body, or as a pressure on a
+/// plate all of whose nodes are.
+#[test]
+fn follower_loads_on_nodes_attached_to_a_body_bifurcate_as_without_it() {
+    for part in [-1.0_f64, 0.25] {
+        let exact = ((part / (part - 1.0)).acos() / (0.5 * PI)).powi(2);
+        let options = PathAnalysis { end_load: 1.2 * exact, ..Default::default() };
+        let (free, _) = loaded(column(16, false), part, options.clone());
+        let (mut m, mesh) = column(16, false);
+        m.bodies = vec![hub("cap", [COLUMN[0], 0.3, 0.2], &["u_max"])];
+        let (attached, _) = loaded((m, mesh), part, options.clone());
+        let [free, attached] = [&free, &attached].map(|outcome| found(outcome));
+        assert!(matches!(attached[..], [(CriticalKind::Bifurcation, 1, _)]), "{part} {attached:?}");
+        assert!((attached[0].2 / free[0].2 - 1.0).abs() < 1e-7, "{part}: {attached:?} {free:?}");
+        let under_pressure = column_with_plate(part, options);
+        assert!(
+            matches!(under_pressure[..], [(CriticalKind::Bifurcation, 1, _)]),
+            "{part} {under_pressure:?}"
+        );
+        // The plate turns about the end of the column, which the nodes of the column do as well.
+        assert!((under_pressure[0].2 / free[0].2 - 1.0).abs() < 2e-5, "{part}: {under_pressure:?} {free:?}");
+    }
+    let options = PathAnalysis { end_load: 6.0, ..Default::default() };
+    assert!(column_with_plate(0.6, options).is_empty());
+}
+
+/// Critical points of the column whose part of the load that follows the end is the pressure on a plate across it, which a body carries.
+fn column_with_plate(part: f64, options: PathAnalysis) -> Vec<(CriticalKind, i32, f64)> {
+    let (mut m, mut mesh) = column(16, false);
+    let ([length, width, _], side) = (COLUMN, 1.0);
+    let first = mesh.positions.len() as u32;
+    let corners = [[0.0, -0.5], [width, -0.5], [width, 0.5], [0.0, 0.5]];
+    mesh.positions.extend(corners.map(|[y, z]| Vec3::new(length, y, side * z)));
+    mesh.quads.push([0, 1, 2, 3].map(|i| first + i));
+    if let Some(normals) = &mut mesh.normals {
+        normals.push([Vec3::x(); 4]);
+    }
+    mesh.node_sets.insert("plate".into(), (first..first + 4).collect());
+    mesh.quad_sets.insert("plate".into(), vec![mesh.quads.len() as u32 - 1]);
+    let section = Section { on: "plate".into(), ..m.sections[0].clone() };
+    m.sections[0].on = "strip".into();
+    mesh.quad_sets.insert("strip".into(), (0..mesh.quads.len() as u32 - 1).collect());
+    m.sections.push(section);
+    m.bodies = vec![hub("cap", [length, 0.3, 0.2], &["u_max", "plate"])];
+    // A positive pressure acts against the normal.
+    let pressure =
+        PressureLoad { on: "plate".into(), value: part * euler() / (width * side), amplitude: None };
+    m.loads = vec![
+        Load::Pressure(pressure),
+        Load::Edge(vector_load("u_max", [-(1.0 - part) * euler() / width, 0.0, 0.0])),
+    ];
+    m.analysis = Analysis::Path(options.clone());
+    let system = Compiler::new(&m, &mesh).unwrap().system(0, None).unwrap();
+    found(&path::run(&system, &options, None, &mut Notes::default()).unwrap())
+}
+
+/// A clamped beam along x with the bending stiffnesses about z and y and the torsion stiffness `stiffness`, under a moment at its end, constant in space.
+fn beam_under_moment(analysis: Analysis, stiffness: [f64; 3], moment: [f64; 3]) -> System {
+    let [about_z, about_y, torsion] = stiffness;
+    let constants = SectionConstants {
+        axial: 1e6,
+        shear: [1e6; 2],
+        bending: [about_z, about_y],
+        torsion,
+        mass: 1.0,
+        inertia: [1e-4; 2],
+    };
+    let section = BeamSection::Constants(constants);
+    let beam = Beam::straight("beam", [[0.0; 3], [BEAM, 0.0, 0.0]], 16, [0.0, 0.0, 1.0], section);
+    let clamp = PointJoint {
+        name: "clamp".into(),
+        between: ["ground".into(), "beam.start".into()],
+        at: [0.0; 3],
+        second_at: None,
+    };
+    let mut m = Model::of_bodies(analysis, Vec::new(), vec![Joint::Fixed(clamp)]);
+    m.beams = vec![beam];
+    m.loads = vec![Load::Moment(VectorLoad::new("beam.end", moment))];
+    compile(&m).1
+}
+
+/// A cantilever bent by a moment at its end that is constant in space does not buckle to the side: from `GJ θ_x′ = M θ_z` and `EI θ_z′ = −M θ_x`
+/// with θ = 0 at the clamp no other equilibrium follows. The symmetric part of the tangent alone is that of a moment which turns half with the end,
+/// `M = π/L √(EI GJ)` (H. Ziegler, *Principles of structural stability*, 1968, on semitangential moments).
+#[test]
+fn beams_under_moments_that_are_constant_in_space_do_not_bifurcate() {
+    let stiffness @ [lateral, about_y, torsion] = [100.0, 1e5, 50.0];
+    let moment = 2.0 * PI / BEAM * f64::sqrt(lateral * torsion);
+    let options = PathAnalysis::default();
+    let system = beam_under_moment(Analysis::Path(options.clone()), stiffness, [0.0, moment, 0.0]);
+    let outcome = path::run(&system, &options, None, &mut Notes::default()).unwrap();
+    assert!(found(&outcome).is_empty() && outcome.state.time == 1.0, "{:?}", found(&outcome));
+    // The symmetric part alone is no longer positive there.
+    assert!(outcome.state.negative_pivots > 0);
+    let options = StaticAnalysis { load_steps: 4, ..Default::default() };
+    let system = beam_under_moment(Analysis::Static(options.clone()), stiffness, [0.0, moment, 0.0]);
+    let outcome = statics::run(&system, &options, None, &mut Notes::default()).unwrap();
+    let angle = moment * BEAM / about_y;
+    let end = system.coordinates.bodies.iter().find(|body| body.name == "beam.end").unwrap();
+    let end = Vec3::from(outcome.state.u[end.centre as usize]);
+    let exact = -BEAM * (1.0 - angle.cos()) / angle;
+    assert!((end.z / exact - 1.0).abs() < 1e-3 && end.y.abs() < 1e-9, "{end} {exact}");
+}
+
+/// The tangent of a beam that such a moment has rolled up by 4 rad is the derivative of its residual.
+#[test]
+fn the_tangent_of_a_beam_under_a_moment_that_is_constant_in_space_is_the_derivative_of_its_residual() {
+    let options = StaticAnalysis { load_steps: 8, allow_unstable: true, ..Default::default() };
+    let system =
+        beam_under_moment(Analysis::Static(options.clone()), [100.0, 300.0, 80.0], [3.0, -5.0, 40.0]);
+    let outcome = statics::run(&system, &options, None, &mut Notes::default()).unwrap();
+    let error = error_of_whole_tangent(&system, &outcome.state);
+    assert!(error < 1e-3, "{error:e}");
 }
 
 /// A column beside another one of `1 − apart` times its length, which carries the same load.

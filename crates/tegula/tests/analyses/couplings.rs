@@ -253,8 +253,13 @@ fn the_rotation_is_that_of_the_best_fit_of_the_nodes() {
     let mut fit: tegula::Mat3 =
         positions.iter().map(|v| (now(v) - after) * (at(v) - before).transpose()).sum();
     fit += directors.iter().map(|v| now(v) * at(v).transpose() * (WALL * WALL / 12.0)).sum::<tegula::Mat3>();
+    // The nodes lie in a plane: the third singular value is round-off, and the product of the other matrices may be a reflection.
     let svd = fit.svd(true, true);
-    let rotation = svd.u.unwrap() * svd.v_t.unwrap();
+    let (left, right) = (svd.u.unwrap(), svd.v_t.unwrap());
+    let sign = (left * right).determinant();
+    let smallest = svd.singular_values.imin();
+    let signs = Vec3::from_fn(|i, _| if i == smallest { sign } else { 1.0 });
+    let rotation = left * tegula::Mat3::from_diagonal(&signs) * right;
     let body = &system.coordinates.bodies[0];
     let found = tegula::Mat3::from_columns(&body.directors.unwrap().map(|d| now(&d)));
     assert!((rotation - tegula::Mat3::identity()).norm() > 0.01, "it turns: {rotation}");

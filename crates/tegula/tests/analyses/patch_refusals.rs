@@ -82,25 +82,3 @@ fn a_massless_body_on_one_node_is_refused_in_motion() {
     let Err(Error::Singular { what, help }) = outcome else { panic!("it is taken") };
     assert!(what.contains("dot") && help.contains("attach another node"), "{what} {help}");
 }
-
-/// The stiffness of a pressure on nodes that a body carries is not complete: a warning says so, but for motions, which do not need it.
-#[test]
-fn a_pressure_on_a_body_is_a_warning() {
-    let warnings = |attached: &[&str], analysis: Analysis| {
-        let mut m = strip(ElementKind::ALL[0], [4, 1], 0.0);
-        m.conditions = vec![clamped("u_min")];
-        m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 1.0, amplitude: None })];
-        m.bodies = vec![hub("cap", [1.0, 0.1, 0.0], attached)];
-        m.analysis = analysis;
-        if attached.is_empty() {
-            m.bodies.clear();
-        }
-        let mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
-        compile::warnings(&m, &mesh, &compile::build(&m, &mesh).unwrap())
-    };
-    let of_statics = || Analysis::Static(StaticAnalysis::default());
-    let found = warnings(&["u_max"], of_statics());
-    assert!(matches!(&found[..], [one] if one.message.contains("attached to \"cap\"")), "{found:?}");
-    assert!(warnings(&[], of_statics()).is_empty());
-    assert!(warnings(&["u_max"], Analysis::Transient(steps(1.0, 0.1))).is_empty());
-}

@@ -25,7 +25,6 @@ use crate::analysis::statics::{self, StaticEquation, equilibrium_step, reactions
 use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched, equilibrium};
 use crate::element::{Motion, Nodal};
-use crate::load::FollowerLoad;
 use crate::model::PathAnalysis;
 use crate::norm::{larger, max_norm};
 use crate::system::{CirculatoryStiffness, EvaluationPoint, System, add_multiple, inverted_element};
@@ -376,13 +375,9 @@ impl<'a> ArcLengthSteps<'a> {
         is_near && direction.work.abs() <= WORKLESS * size
     }
 
-    /// Whether the follower loads have a potential at an equilibrium: then the tangent is symmetric. Moments that are constant in space
-    /// have none where bodies turn about other axes.
+    /// Whether the follower loads have a potential at an equilibrium: then the tangent is symmetric.
     fn have_potential(&self, equation: &StaticEquation) -> bool {
         let Self { system, newton, .. } = self;
-        if system.followers.iter().any(|load| matches!(load, FollowerLoad::BodyMoment { .. })) {
-            return false;
-        }
         let motion = Motion::State { u: &equation.u, velocity: None };
         let at = EvaluationPoint::new(system, motion, equation.time, &[0.0; 0]);
         let size = max_norm(equilibrium::external(system, &at).as_flattened());

@@ -19,9 +19,11 @@ const VANISHING: f64 = 1e-9;
 /// Eigenvalue where the count changes over those at the ends of the bracket, above which it has not passed through zero.
 const JUMP: f64 = 1e-6;
 /// Eigenvalue next to zero over the largest one at the nearest equilibrium from which one that is lost in round-off is approached again, by half of
-/// the way; and that from which the bifurcation is extrapolated.
+/// the way (from farther away by most of it, where a secant leads to it); and that from which the bifurcation is extrapolated.
 const RETREAT: f64 = 1e-2;
 const LOST: f64 = 1e-4;
+/// Part of the way back to a far equilibrium.
+const SHORT_WAY: f64 = 1.0 / 16.0;
 /// Distance of eigenvalues over the largest one from their line that is round-off in very thin shells.
 const ROUND_OFF: f64 = 1e-3;
 /// Difference of two slopes of the eigenvalue over them up to which they belong to one curve.
@@ -257,10 +259,12 @@ impl Search<'_> {
                     if part <= JUMP || extrapolated.is_some() {
                         break;
                     }
-                    if !(part <= RETREAT && high - low > LOCATED * whole) {
+                    // A secant through far trials may have met the point at once.
+                    if !((part <= RETREAT || next == Some(a)) && high - low > LOCATED * whole) {
                         return Err(reason);
                     }
-                    again = Some(0.5 * (nearest + a));
+                    let way = if part <= RETREAT { 0.5 } else { SHORT_WAY };
+                    again = Some(a + way * (nearest - a));
                     continue;
                 }
                 (Err(reason), None) => return Err(reason),

@@ -12,10 +12,10 @@
 //! tangent. All of it is linear in the increment: nothing is a difference of two tangents. The literature calls it initial stress
 //! stiffness or stress stiffness (O. C. Zienkiewicz, R. L. Taylor, *The Finite Element Method*, vol. 2, on linear buckling).
 
-use super::{Assembly, BATCH, TangentCoefficients, current, pairs};
-use crate::Vec3;
+use super::{Assembly, BATCH, TangentCoefficients, load_stiffness, pairs};
 use crate::element::quadratic::multiply_blocks;
 use crate::element::{Nodal, StressIncrement, TangentWeights};
+use crate::load::FollowerLoad;
 use crate::system::{EvaluationPoint, System, body_curvature};
 
 /// Linear increment of a state under a change of the loads.
@@ -98,19 +98,13 @@ impl Assembly {
         (times, batch): ([f64; 2], &mut usize),
     ) {
         let Self { frames, values, blocks, .. } = self;
-        for loads in system.followers.chunks(BATCH) {
-            let mut rest = blocks.as_mut_slice();
-            for load in loads {
-                let n = load.vectors().len();
-                let (b, others) = rest.split_at_mut(9 * pairs(n));
-                let mut x = [Vec3::zeros(); 4];
-                current(system, &k.motion, load.vectors(), &mut x);
-                load.stiffness(&x[..n], b);
-                let [before, after] = times.map(|time| system.factor(load.factor(), time));
-                b.iter_mut().for_each(|v| *v *= after - before);
-                rest = others;
-            }
-            system.pattern.add(*batch, blocks, 0.0, frames, values);
+        let change = |load: &FollowerLoad| {
+            let [before, after] = times.map(|time| system.factor(load.factor(), time));
+            after - before
+        };
+        for first in (0..system.followers.len()).step_by(BATCH) {
+            let size = load_stiffness(system, &k.motion, (first, &change), frames, blocks);
+            system.pattern.add(*batch, &blocks[..size], 0.0, frames, values);
             *batch += 1;
         }
         for (time, sign) in times.into_iter().zip([-1.0, 1.0]) {
