@@ -57,6 +57,7 @@ pub fn print(deck: &Deck, as_json: bool) -> Result<(), Failure> {
                 "inertia": [inertia.m11, inertia.m22, inertia.m33],
                 "products_of_inertia": [inertia.m12, inertia.m13, inertia.m23],
             })).collect::<Vec<_>>(),
+            "assembly": system.closed_gaps.as_deref().map(job::AssemblyResult::from),
             "quality": {
                 "max_aspect": q.max_aspect,
                 "min_angle_deg": q.min_angle_deg,
@@ -92,6 +93,9 @@ pub fn print(deck: &Deck, as_json: bool) -> Result<(), Failure> {
     say!("mass       {}", significant(system.total_mass(), 7));
     say!("size       {}", significant(system.length, 7));
     print_solids(deck, system);
+    for message in system.closed_gaps.iter().flat_map(|gaps| gaps.messages()) {
+        say!("{message}");
+    }
     say!(
         "quality    aspect ratio to {:.3}, angles {:.1} to {:.1} degrees, warp to {}",
         q.max_aspect,

@@ -6,7 +6,7 @@ use std::fs;
 use serde_json::Value;
 use tegula::norm::larger;
 
-use super::{errors, near, result_of, results_of, tegula, text};
+use super::{errors, example, near, result_of, results_of, tegula, text};
 
 /// The period of the physical pendulum by the complete elliptic integral; the disc takes its moment through the patch.
 #[test]
@@ -197,6 +197,19 @@ fn the_parts_of_a_four_bar_linkage_are_assembled_by_freudensteins_equation() {
     near(&s["assembly"]["joints"]["C"]["distance"], 0.2, 1e-12);
     let turned = s["assembly"]["bodies"]["rocker"]["rotation"][2].as_f64().unwrap();
     assert!((turned - rocker[0]).abs() < 1e-9, "{s}");
+    // A check tells the same without a run.
+    let model = example("assembled_four_bar.toml");
+    let check = tegula(&["check", "--json", text(&model)]);
+    let found: Value = serde_json::from_slice(&check.stdout).unwrap();
+    assert_eq!(found["assembly"], s["assembly"]);
+    let printed = tegula(&["check", text(&model)]);
+    let printed = String::from_utf8(printed.stdout).unwrap();
+    assert!(
+        printed.contains(
+            "assembled: the sides of the joint \"C\" missed each other by the distance 2.000000e-1"
+        ),
+        "{printed}"
+    );
 }
 
 /// The slider is where the length of the rod puts it, and the power of the motor is the rate of the energy.
