@@ -19,7 +19,7 @@
 use crate::element::Motion;
 use crate::norm::larger;
 use crate::system::assembly::TangentCoefficients;
-use crate::system::{CirculatoryStiffness, LocalFrames, System};
+use crate::system::{CirculatoryStiffness, LocalFrames, Procedure, System};
 use tegula_sparse::gmres::{Gmres, noise, norm, project_out};
 
 /// Relative residual above which a solution is refused.
@@ -128,7 +128,13 @@ impl CirculatoryLoads {
         if system.linear || system.followers.is_empty() {
             return None;
         }
-        let stiffness = CirculatoryStiffness::new(system);
+        // In time steps the masses make the skew part of moments on bodies small beside the tangent.
+        let stiffness = match system.procedure {
+            Procedure::Transient | Procedure::Explicit => {
+                CirculatoryStiffness::without_moments_on_bodies(system)
+            }
+            _ => CirculatoryStiffness::new(system),
+        };
         let (size, all) = (stiffness.support().len(), system.unknowns());
         if size == 0 {
             return None;

@@ -481,9 +481,18 @@ pub(super) fn joint_rates(
 
 /// Gradients of all constraints in a state, with respect to the degrees of freedom of `frames`; those of friction and stops are empty.
 pub(super) fn gradients_at(system: &System, frames: &LocalFrames, state: &State) -> Vec<Gradient> {
+    gradients_of(system, frames, (&state.u, state.time))
+}
+
+/// Gradients of the constraints at displacements and a time.
+pub(super) fn gradients_of(
+    system: &System,
+    frames: &LocalFrames,
+    (u, time): (&[Nodal], f64),
+) -> Vec<Gradient> {
     let mut out = vec![Gradient::new(); system.constraints()];
-    let motion = Motion::State { u: &state.u, velocity: None };
-    gradients(system, (frames, state.time), (end_of(system, &motion), |_| Vec3::zeros()), &mut out);
+    let motion = Motion::State { u, velocity: None };
+    gradients(system, (frames, time), (end_of(system, &motion), |_| Vec3::zeros()), &mut out);
     for (number, _) in system.joints.iter().filter_map(Joint::law_row) {
         out[number].clear();
     }

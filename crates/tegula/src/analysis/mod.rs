@@ -11,6 +11,7 @@ mod mobility;
 pub mod modal;
 pub mod newton;
 pub mod path;
+mod potential;
 pub mod solver;
 pub mod statics;
 pub mod stepper;

@@ -67,6 +67,7 @@ use actions::{
 use assembly::Assembled;
 pub use imperfections::imperfect_mesh;
 use inner_point::Corners;
+use pattern::ReducedLoads;
 use place::Place;
 use procedure::procedure;
 use sections::Elements;
@@ -457,7 +458,7 @@ impl<'a> Compiler<'a> {
         let reductions: Vec<_> = reductions.collect();
         let reduction_of_followers =
             Reduction::new(followers.iter().map(FollowerLoad::vectors), frames.dofs());
-        let loads = (followers.as_slice(), reduction_of_followers.as_ref());
+        let loads = ReducedLoads { loads: &followers, reduction: reduction_of_followers.as_ref() };
         let pattern = self.pattern(procedure, &frames, (&reductions, loads), &added)?;
         let initial_velocity = self.initial_velocities(step, (&frames, start.as_ref()), &mut issues);
         let mut system = System {

@@ -6,6 +6,12 @@ use crate::load::FollowerLoad;
 use crate::system::pattern::{BATCH, PatternBuilder};
 use crate::system::{LocalFrames, Pattern, Procedure, Reduction};
 
+/// Follower loads, with their reduction to the degrees of freedom of rigid bodies.
+pub(super) struct ReducedLoads<'a> {
+    pub loads: &'a [FollowerLoad],
+    pub reduction: Option<&'a Reduction>,
+}
+
 impl Compiler<'_> {
     /// Sparsity pattern of the tangent, and the consistent mass. Explicit steps have but the diagonal, for the lumped
     /// mass, and the inertia of rigid bodies; the iterative solver takes the elements' own blocks.
@@ -13,7 +19,7 @@ impl Compiler<'_> {
         &self,
         procedure: Procedure,
         frames: &LocalFrames,
-        (reductions, followers): (&[Option<Reduction>], (&[FollowerLoad], Option<&Reduction>)),
+        (reductions, followers): (&[Option<Reduction>], ReducedLoads),
         added: &[(u32, u32, f64)],
     ) -> Result<Pattern> {
         let mut builder = PatternBuilder::new(procedure.has_tangent_pattern());
@@ -28,7 +34,7 @@ impl Compiler<'_> {
                 let element = |e: usize| (group.vectors(e), group.mass(e));
                 add_batches(&mut builder, group.len(), reduction.as_ref(), element);
             }
-            let (loads, reduction) = followers;
+            let ReducedLoads { loads, reduction } = followers;
             add_batches(&mut builder, loads.len(), reduction, |load| (loads[load].vectors(), &[]));
             for &(a, b, m) in added {
                 builder.mass(a, b, m);

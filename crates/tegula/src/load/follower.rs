@@ -128,7 +128,7 @@ impl FollowerLoad {
         }
     }
 
-    /// Load stiffness −∂f/∂x at factor 1, all blocks.
+    /// Load stiffness −∂f/∂x at factor 1, all blocks; of a moment on a body along its rotations.
     pub fn derivative(&self, x: &[Vec3]) -> LoadStiffness {
         let mut k = [[Mat3::zeros(); 4]; 4];
         match self {

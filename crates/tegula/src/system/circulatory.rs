@@ -18,15 +18,13 @@ use super::LocalFrames;
 use super::assembly::TangentCoefficients;
 use super::dof_map::CONSTRAINED;
 use super::evaluation_point::current_vector;
-use super::{Procedure, System, VectorKind};
-use crate::element::{Motion, Nodal, TangentWeights};
+use super::{System, VectorKind};
+use crate::element::{Motion, Nodal};
 use crate::load::{FollowerLoad, LoadFactor};
 use crate::{Mat3, Vec3};
 
 /// Relative difference of the pressures of neighbours up to which they cancel along their common edge.
 const CANCELLED: f64 = 1e-12;
-/// Skew load stiffness over the size of the loads per length of the model below which it is round-off.
-const WITHOUT_POTENTIAL: f64 = 1e-9;
 /// Skew blocks below this part of the load's stiffness are round-off.
 const ROUNDING: f64 = 1e-13;
 
@@ -89,18 +87,20 @@ pub struct CirculatoryStiffness {
 }
 
 impl CirculatoryStiffness {
-    /// Lists the nodal vectors concerned; no stiffness is computed yet. Moments on rigid bodies and nodes of beams belong to it in statics: in
-    /// linear analyses the [work](System::skew_work_of_moments) of their skew stiffness in each mode tells whether it matters, and in time
-    /// steps the masses make it small beside the tangent.
+    /// Lists the nodal vectors concerned; no stiffness is computed yet.
     pub fn new(system: &System) -> Self {
+        Self::of(system, |_| true)
+    }
+
+    /// As [`new`](Self::new), but moments on rigid bodies and nodes of beams are left out. In linear analyses the
+    /// [work](System::skew_work_of_moments) of their skew stiffness in each mode tells whether it matters.
+    pub fn without_moments_on_bodies(system: &System) -> Self {
+        Self::of(system, |load| !matches!(load, FollowerLoad::BodyMoment { .. }))
+    }
+
+    fn of(system: &System, takes: impl Fn(&FollowerLoad) -> bool) -> Self {
         let edges = boundary(&system.followers);
-        let seeks_equilibria =
-            matches!(system.procedure, Procedure::Static | Procedure::IterativeStatic | Procedure::Path);
-        let is_moment = |l: &FollowerLoad| match l {
-            FollowerLoad::Pressure { .. } => false,
-            FollowerLoad::BodyMoment { .. } => seeks_equilibria,
-            _ => true,
-        };
+        let is_moment = |load: &FollowerLoad| !matches!(load, FollowerLoad::Pressure { .. }) && takes(load);
         let moments: Vec<u32> =
             (0u32..).zip(&system.followers).filter(|(_, l)| is_moment(l)).map(|(n, _)| n).collect();
         let of_moment = |&n: &u32| system.followers[n as usize].vectors().iter().copied();
@@ -136,29 +136,6 @@ impl CirculatoryStiffness {
         };
         let most = 3 * edges.len() + moments.iter().map(pairs).sum::<usize>();
         Self { edges, moments, blocks: Vec::with_capacity(most), support, scales }
-    }
-
-    /// Whether the skew stiffness of the follower loads at a motion and time is round-off in the free degrees of freedom, beside forces of
-    /// this size: then the loads have a potential, as pressures on surfaces whose edges are supported across them.
-    pub fn is_round_off(
-        system: &System,
-        frames: &LocalFrames,
-        (motion, time): (&Motion, f64),
-        size: f64,
-    ) -> bool {
-        let mut skew = Self::new(system);
-        skew.take(system, motion, &TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time });
-        if skew.is_zero() {
-            return true;
-        }
-        let limit = WITHOUT_POTENTIAL * size / system.length;
-        let (mut x, mut product) = (vec![0.0; system.unknowns()], vec![0.0; system.unknowns()]);
-        skew.support().to_vec().into_iter().all(|number| {
-            x[number as usize] = 1.0;
-            skew.product(frames, &x, &mut product);
-            x[number as usize] = 0.0;
-            product.iter().all(|y| y.abs() <= limit)
-        })
     }
 
     /// Computes the stiffness at a motion, with the coefficients of a tangent.

@@ -20,7 +20,7 @@ pub struct Reduction {
 /// One contribution: its vectors in the tangent, and how its own ones depend on them.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Member {
-    /// Number of the contribution in its group.
+    /// Number of the contribution among those of its group, or among the follower loads.
     number: usize,
     /// Number of blocks of the contributions before it in its batch.
     first_block: usize,
@@ -87,7 +87,7 @@ impl Reduction {
     }
 
     /// Writes the lower blocks of the reduced contributions of a batch, one after another, from the `blocks` of all
-    /// contributions of the batch.
+    /// contributions of the batch, which begins at a multiple of [`BATCH`].
     pub fn reduce(&self, batch: Range<usize>, frames: &LocalFrames, blocks: &[f64], out: &mut [f64]) {
         let mut out = out;
         for member in self.among(batch) {

@@ -3,11 +3,12 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use crate::buckling::factors;
 use crate::common::{Notes, compile, cylinder, model, on, plate, vector_load};
 use crate::patches::{error_of_whole_tangent, hub};
 use crate::shell_joints::{clamp, mesh_of, on_edge};
 use tegula::analysis::path::{self, CriticalKind, PathOutcome};
-use tegula::analysis::statics;
+use tegula::analysis::{modal, statics};
 use tegula::compile::Compiler;
 use tegula::element::Nodal;
 use tegula::model::*;
@@ -110,6 +111,25 @@ fn columns_under_partial_follower_loads_bifurcate_by_divergence() {
     assert!(found(&outcome).is_empty() && outcome.state.time == 6.0);
 }
 
+/// Where nearly half of the load follows the end, the column is stable again behind the next root `kL = 2π − arccos(η/(η − 1))`, not far above the first
+/// one. Two opposite changes in one step would not be noticed.
+#[test]
+fn columns_under_half_following_loads_are_stable_again_above_a_second_load() {
+    let part = 0.49_f64;
+    let first = (part / (part - 1.0)).acos();
+    let roots = [first, 2.0 * PI - first].map(|kl| (kl / (0.5 * PI)).powi(2));
+    let options = PathAnalysis { end_load: 2.0 * roots[1], ..Default::default() };
+    let (outcome, _) = loaded(column(32, false), part, options);
+    let found = found(&outcome);
+    assert!(
+        matches!(found[..], [(CriticalKind::Bifurcation, 1, _), (CriticalKind::Bifurcation, -1, _)]),
+        "{found:?}"
+    );
+    for ((_, _, load), exact) in found.iter().zip(roots) {
+        assert!((load / exact - 1.0).abs() < 5e-3, "{found:?} {roots:?}");
+    }
+}
+
 /// A rigid body on the end of a column changes nothing, whether the load that follows the end acts on nodes that are attached to the body, or as a pressure on a
 /// plate all of whose nodes are.
 #[test]
@@ -121,7 +141,7 @@ fn follower_loads_on_nodes_attached_to_a_body_bifurcate_as_without_it() {
         let (mut m, mesh) = column(16, false);
         m.bodies = vec![hub("cap", [COLUMN[0], 0.3, 0.2], &["u_max"])];
         let (attached, _) = loaded((m, mesh), part, options.clone());
-        let [free, attached] = [&free, &attached].map(|outcome| found(outcome));
+        let [free, attached] = [&free, &attached].map(found);
         assert!(matches!(attached[..], [(CriticalKind::Bifurcation, 1, _)]), "{part} {attached:?}");
         assert!((attached[0].2 / free[0].2 - 1.0).abs() < 1e-7, "{part}: {attached:?} {free:?}");
         let under_pressure = column_with_plate(part, options);
@@ -200,8 +220,10 @@ fn beams_under_moments_that_are_constant_in_space_do_not_bifurcate() {
     let moment = 2.0 * PI / BEAM * f64::sqrt(lateral * torsion);
     let options = PathAnalysis::default();
     let system = beam_under_moment(Analysis::Path(options.clone()), stiffness, [0.0, moment, 0.0]);
-    let outcome = path::run(&system, &options, None, &mut Notes::default()).unwrap();
+    let mut notes = Notes::default();
+    let outcome = path::run(&system, &options, None, &mut notes).unwrap();
     assert!(found(&outcome).is_empty() && outcome.state.time == 1.0, "{:?}", found(&outcome));
+    assert!(!notes.events.iter().any(|event| event.contains("next to each other")), "{:?}", notes.events);
     // The symmetric part alone is no longer positive there.
     assert!(outcome.state.negative_pivots > 0);
     let options = StaticAnalysis { load_steps: 4, ..Default::default() };
@@ -212,6 +234,83 @@ fn beams_under_moments_that_are_constant_in_space_do_not_bifurcate() {
     let end = Vec3::from(outcome.state.u[end.centre as usize]);
     let exact = -BEAM * (1.0 - angle.cos()) / angle;
     assert!((end.z / exact - 1.0).abs() < 1e-3 && end.y.abs() < 1e-9, "{end} {exact}");
+    // A modal analysis finds the equilibrium, too, about which it then vibrates.
+    let options = ModalAnalysis { prestressed: true, ..ModalAnalysis::new(2) };
+    let system = beam_under_moment(Analysis::Modal(options), stiffness, [0.0, moment, 0.0]);
+    let prestressed = modal::prestress(&system, &mut Notes::default()).unwrap();
+    assert_eq!(prestressed.state.time, 1.0);
+}
+
+/// Neither units nor forces on supports decide whether loads have a potential.
+#[test]
+fn small_beams_with_a_force_on_the_clamp_do_not_bifurcate_under_moments_either() {
+    let (length, lateral) = (1e-4, 1e-8);
+    let moment = 2.0 * PI / length * lateral * 0.5_f64.sqrt();
+    let constants = SectionConstants {
+        axial: 1e6,
+        shear: [1e6; 2],
+        bending: [lateral, 1e-5],
+        torsion: 0.5 * lateral,
+        mass: 1e-5,
+        inertia: [1e-19; 2],
+    };
+    let options = PathAnalysis::default();
+    let section = BeamSection::Constants(constants);
+    let clamp = PointJoint {
+        name: "clamp".into(),
+        between: ["ground".into(), "beam.start".into()],
+        at: [0.0; 3],
+        second_at: None,
+    };
+    let mut m = Model::of_bodies(Analysis::Path(options.clone()), Vec::new(), vec![Joint::Fixed(clamp)]);
+    m.beams = vec![Beam::straight("beam", [[0.0; 3], [length, 0.0, 0.0]], 16, [0.0, 0.0, 1.0], section)];
+    m.loads = vec![
+        Load::Moment(VectorLoad::new("beam.end", [0.0, moment, 0.0])),
+        Load::Force(VectorLoad::new("beam.start", [0.0, 0.0, 50.0])),
+    ];
+    let outcome = path::run(&compile(&m).1, &options, None, &mut Notes::default()).unwrap();
+    assert!(found(&outcome).is_empty() && outcome.state.time == 1.0, "{:?}", found(&outcome));
+    assert!(outcome.state.negative_pivots > 0);
+}
+
+/// The edges of a tube under outer pressure, clamped or attached to bodies that joints hold.
+fn tube(held_by_bodies: bool, analysis: Analysis) -> Model {
+    let mut m = model(cylinder(1.0, [0.0, 360.0], 2.0, [24, 6]), 1e9, 0.01);
+    m.analysis = analysis;
+    m.conditions = vec![Condition::Clamp(on("v_min")), Condition::Clamp(on("v_max"))];
+    if held_by_bodies {
+        m.conditions.clear();
+        let ends = [("first", "v_min", [0.0; 3]), ("last", "v_max", [0.0, 2.0, 0.0])];
+        m.bodies = ends.map(|(name, edge, at)| hub(name, at, &[edge])).to_vec();
+        let held = |(name, _, at): (&str, &str, [f64; 3])| {
+            let between = ["ground".into(), name.into()];
+            Joint::Fixed(PointJoint { name: format!("{name} joint"), between, at, second_at: None })
+        };
+        m.joints = ends.map(held).to_vec();
+    }
+    m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 1.0, amplitude: None })];
+    m
+}
+
+/// A pressure has a potential where bodies on joints hold the edges of the surface.
+#[test]
+fn tubes_buckle_alike_whether_clamps_or_bodies_on_joints_hold_their_edges() {
+    let lowest = [false, true].map(|held| {
+        let options = BucklingAnalysis::new(2);
+        factors(&tube(held, Analysis::Buckling(options)))[0]
+    });
+    assert!((lowest[1] / lowest[0] - 1.0).abs() < 1e-8, "{lowest:?}");
+    let options = PathAnalysis { end_load: 1.03 * lowest[0], ..Default::default() };
+    let [clamped, held] = [false, true].map(|held| {
+        let method = Some(PathMethod::ArcLength);
+        let options = PathAnalysis { method, ..options.clone() };
+        let m = tube(held, Analysis::Path(options.clone()));
+        found(&path::run(&compile(&m).1, &options, None, &mut Notes::default()).unwrap())
+    });
+    assert!(!clamped.is_empty() && clamped.len() == held.len(), "{clamped:?} {held:?}");
+    for (a, b) in clamped.iter().zip(&held) {
+        assert!((a.0, a.1) == (b.0, b.1) && (a.2 / b.2 - 1.0).abs() < 1e-7, "{clamped:?} {held:?}");
+    }
 }
 
 /// The tangent of a beam that such a moment has rolled up by 4 rad is the derivative of its residual.

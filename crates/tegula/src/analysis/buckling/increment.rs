@@ -5,6 +5,7 @@ use super::problem::{Problem, TIMES};
 use crate::analysis::constraints::Rates;
 use crate::analysis::equilibrium;
 use crate::analysis::newton::Newton;
+use crate::analysis::potential::{Place, have_potential};
 use crate::analysis::statics::{add, prescribed_increment};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::norm::max_norm;
@@ -60,7 +61,7 @@ impl Increment {
                 help: "Check the values of the loads and of their amplitudes at load factor 1.".into(),
             });
         }
-        has_potential(system, newton, &state.u, &forces)?;
+        refuse_circulatory_loads(system, newton, &state.u, &forces)?;
         let mut free = vec![0.0; system.unknowns()];
         newton.assembly.frames.reduce(&right, &mut free);
         newton.solver.solve(&mut free);
@@ -140,14 +141,13 @@ fn refuse(system: &System) -> Result<()> {
     Ok(())
 }
 
-/// Refuses follower loads that have no potential: with the skew part of their stiffness the factors need not be real.
-fn has_potential(system: &System, newton: &Newton, u: &[Nodal], forces: &[Nodal]) -> Result<()> {
-    let motion = Motion::State { u, velocity: None };
+/// Refuses follower loads that have no potential: with the skew part of their stiffness the factors need not be real. Moments on bodies are judged
+/// by the modes.
+fn refuse_circulatory_loads(system: &System, newton: &Newton, u: &[Nodal], forces: &[Nodal]) -> Result<()> {
     for time in TIMES {
-        let at_time = EvaluationPoint { time, ..EvaluationPoint::at_rest(system, u, time, &[0.0; 0]) };
-        let external = equilibrium::external(system, &at_time);
-        let size = max_norm(external.as_flattened().iter().chain(forces.as_flattened()).copied());
-        if !CirculatoryStiffness::is_round_off(system, &newton.assembly.frames, (&motion, time), size) {
+        let place = Place { u, time, frames: &newton.assembly.frames };
+        let skew = CirculatoryStiffness::without_moments_on_bodies(system);
+        if !have_potential(system, &place, skew, forces) {
             return Err(Error::Singular {
                 what: "The follower loads have no potential: their load stiffness is not symmetric, and load factors of buckling need not \
                        exist (flutter)."

@@ -13,6 +13,7 @@
 use super::Mode;
 use super::problem::Problem;
 use crate::analysis::State;
+use crate::analysis::potential::{Place, have_potential};
 use crate::element::{Motion, TangentWeights};
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{CirculatoryStiffness, System};
@@ -24,12 +25,14 @@ use tegula_sparse::norm::larger;
 /// Change of an eigenvalue λ = ω² by N, over λ, up to which N is neglected: that of a frequency is half of it.
 const NEGLIGIBLE: f64 = 2e-3;
 
-/// Circulatory stiffness of the follower loads at an equilibrium; `None` where they have a potential.
+/// Circulatory stiffness of the follower loads at an equilibrium; `None` where they have a potential. Moments on bodies are judged by the modes.
 pub(super) fn stiffness(system: &System, equilibrium: &State) -> Option<CirculatoryStiffness> {
-    let mut skew = CirculatoryStiffness::new(system);
+    let mut skew = CirculatoryStiffness::without_moments_on_bodies(system);
     let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: equilibrium.time };
     skew.take(system, &Motion::State { u: &equilibrium.u, velocity: None }, &parts);
-    (!skew.is_zero()).then_some(skew)
+    let frames = crate::analysis::equilibrium::frames(system, equilibrium);
+    let place = Place { u: &equilibrium.u, time: equilibrium.time, frames: &frames };
+    (!have_potential(system, &place, skew.clone(), &[])).then_some(skew)
 }
 
 /// Refusal of circulatory follower loads on models with joints.

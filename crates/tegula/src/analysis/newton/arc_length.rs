@@ -39,6 +39,11 @@ const SINGULAR_ROUND_OFF: f64 = 1e-3;
 /// Bounds of an increment over the one before that does not decrease, nor leads away. The energies of both must be small: the second one is that
 /// of the residual behind the first.
 const STAGNATES: [f64; 2] = [0.9, 2.0];
+/// Number of iterations of small increments, of an energy over that of the load below this one, and part of the first of these increments above which
+/// the last one shows round-off: next to a critical point increments go up and down, as the tangent amplifies the round-off of the forces.
+const MANY: u32 = 8;
+const ENERGY_OF_ROUND_OFF: f64 = 1e-12;
+const REMAINS: f64 = 0.1;
 
 /// Reason of a path on which nothing moves.
 pub const NOTHING_MOVES: &str = "nothing moves with the load factor: no load, prescribed displacement, drive or prescribed strain changes with it, \
@@ -206,6 +211,8 @@ impl<S: TangentSolver> Newton<S> {
         let mixed = self.method == NewtonMethod::Mixed && !system.linear;
         // Increment before whose energy is small.
         let mut before = None::<f64>;
+        // Number and increment of the first of the iterations of small increments.
+        let mut since = None::<(u32, f64)>;
         for number in 1..=tolerances.max_iterations {
             self.iterations = number;
             if observer.interrupted() {
@@ -250,10 +257,15 @@ impl<S: TangentSolver> Newton<S> {
                 size / scale.max(f64::MIN_POSITIVE),
             );
             let without_energy = energy <= tolerances.energy * energy_scale;
-            let stagnates = size <= SINGULAR_ROUND_OFF * scale
+            let is_tiny = size <= SINGULAR_ROUND_OFF * scale;
+            let stagnates = is_tiny
                 && before.is_some_and(|before| size > STAGNATES[0] * before && size <= STAGNATES[1] * before);
             before = without_energy.then_some(size);
-            let small = without_energy && (size <= tolerances.increment * scale || stagnates);
+            since = (is_tiny && energy <= ENERGY_OF_ROUND_OFF * energy_scale)
+                .then(|| since.unwrap_or((number, size)));
+            let remains =
+                since.is_some_and(|(first, at_first)| number >= first + MANY && size > REMAINS * at_first);
+            let small = without_energy && (size <= tolerances.increment * scale || stagnates) || remains;
             let rests = size <= larger(ROUND_OFF * scale, self.round_off);
             if (small || rests)
                 && self.violation(system, equation) <= larger(CLOSED, self.round_off).min(OPEN)

@@ -20,14 +20,15 @@ use super::state::{
 };
 use super::{SeriesSteps, branch, first_state};
 use crate::analysis::newton::{LoadResponse, NOTHING_MOVES, Newton, PathTangent, Plane, Tolerances};
+use crate::analysis::potential::{Place, have_potential};
 use crate::analysis::solver::TangentSolver as _;
 use crate::analysis::statics::{self, StaticEquation, equilibrium_step, reactions};
 use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched, equilibrium};
-use crate::element::{Motion, Nodal};
+use crate::element::Nodal;
 use crate::model::PathAnalysis;
-use crate::norm::{larger, max_norm};
-use crate::system::{CirculatoryStiffness, EvaluationPoint, System, add_multiple, inverted_element};
+use crate::norm::larger;
+use crate::system::{CirculatoryStiffness, System, add_multiple, inverted_element};
 use crate::{Error, Result};
 use inside_step::{Explained, Known};
 
@@ -44,6 +45,9 @@ const DEPARTURE: [f64; 2] = [0.1, 0.03];
 const MOST_EXCESS: f64 = 5.0;
 /// Bounds of the change of the length from step to step.
 const CHANGE: [f64; 2] = [0.5, 2.0];
+/// Largest change of the load factor in a step over that at the end, where the loads have no potential: eigenvalues that pass through zero in
+/// opposite directions within one step are not noticed.
+const MOST_LOAD: f64 = 1.0 / 16.0;
 /// Iterations of a step above which the next one is not longer.
 const MANY: u32 = 7;
 /// Largest distance of the chord of a step, over its length, from the mean of the directions at both ends.
@@ -293,6 +297,10 @@ impl<'a> ArcLengthSteps<'a> {
         if end.iterations > MANY {
             next = next.min(length);
         }
+        let most = (MOST_LOAD * self.options.end_load / end.tangent.load).abs();
+        if next > most && arc.tangent.determinant_sign != 0 && !self.have_potential(&end.equation) {
+            next = most;
+        }
         let loads = self.loads(arc, &end);
         let mut limits = roots(length, |a| loads.load_derivative(a, 1));
         let flat = is_flat(&loads, length) && !self.is_driven();
@@ -378,10 +386,8 @@ impl<'a> ArcLengthSteps<'a> {
     /// Whether the follower loads have a potential at an equilibrium: then the tangent is symmetric.
     fn have_potential(&self, equation: &StaticEquation) -> bool {
         let Self { system, newton, .. } = self;
-        let motion = Motion::State { u: &equation.u, velocity: None };
-        let at = EvaluationPoint::new(system, motion, equation.time, &[0.0; 0]);
-        let size = max_norm(equilibrium::external(system, &at).as_flattened());
-        CirculatoryStiffness::is_round_off(system, &newton.assembly.frames, (&motion, equation.time), size)
+        let place = Place { u: &equation.u, time: equation.time, frames: &newton.assembly.frames };
+        have_potential(system, &place, CirculatoryStiffness::new(system), &[])
     }
 
     /// Distance of the predicted from the corrected point over the length of a step.

@@ -19,10 +19,10 @@ const VANISHING: f64 = 1e-9;
 /// Eigenvalue where the count changes over those at the ends of the bracket, above which it has not passed through zero.
 const JUMP: f64 = 1e-6;
 /// Eigenvalue next to zero over the largest one at the nearest equilibrium from which one that is lost in round-off is approached again, by half of
-/// the way (from farther away by most of it, where a secant leads to it); and that from which the bifurcation is extrapolated.
+/// the way; and that from which the bifurcation is extrapolated.
 const RETREAT: f64 = 1e-2;
 const LOST: f64 = 1e-4;
-/// Part of the way back to a far equilibrium.
+/// Part of the way from the lost equilibrium back to the nearest one, where that is farther away and a secant has led to the lost one.
 const SHORT_WAY: f64 = 1.0 / 16.0;
 /// Distance of eigenvalues over the largest one from their line that is round-off in very thin shells.
 const ROUND_OFF: f64 = 1e-3;

@@ -12,7 +12,8 @@
 //! tangent. All of it is linear in the increment: nothing is a difference of two tangents. The literature calls it initial stress
 //! stiffness or stress stiffness (O. C. Zienkiewicz, R. L. Taylor, *The Finite Element Method*, vol. 2, on linear buckling).
 
-use super::{Assembly, BATCH, TangentCoefficients, load_stiffness, pairs};
+use super::follower_loads::load_stiffness;
+use super::{Assembly, BATCH, TangentCoefficients, pairs};
 use crate::element::quadratic::multiply_blocks;
 use crate::element::{Nodal, StressIncrement, TangentWeights};
 use crate::load::FollowerLoad;
