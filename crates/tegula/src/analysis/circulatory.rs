@@ -128,7 +128,7 @@ impl CirculatoryLoads {
         if system.linear || system.followers.is_empty() {
             return None;
         }
-        // In time steps the masses make the skew part of moments on bodies small beside the tangent.
+        // Time steps leave the skew part of moments on bodies out: it changes their iterations alone.
         let stiffness = match system.procedure {
             Procedure::Transient | Procedure::Explicit => {
                 CirculatoryStiffness::without_moments_on_bodies(system)

@@ -112,7 +112,11 @@ pub(super) fn mean_stiffness(system: &System, assembly: &mut Assembly, state: &S
 const SHORT_ARMS: f64 = 1e6;
 
 /// Free degrees of freedom of the vectors of a kind.
-fn unknowns_of<'a>(system: &'a System, dofs: &'a DofMap, kind: VectorKind) -> impl Iterator<Item = u32> + 'a {
+pub(super) fn unknowns_of<'a>(
+    system: &'a System,
+    dofs: &'a DofMap,
+    kind: VectorKind,
+) -> impl Iterator<Item = u32> + 'a {
     let vectors = (0..system.vectors()).filter(move |&v| system.coordinates.kinds[v] == kind);
     vectors.flat_map(move |v| dofs.of(v)).filter(|number| *number != CONSTRAINED)
 }

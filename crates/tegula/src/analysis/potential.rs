@@ -5,11 +5,10 @@
 //! of hinges.
 
 use super::constraints::{Schur, gradients_of, product};
-use super::equilibrium;
+use super::equilibrium::{self, unknowns_of};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::norm::{larger, max_norm};
 use crate::system::assembly::TangentCoefficients;
-use crate::system::dof_map::CONSTRAINED;
 use crate::system::{CirculatoryStiffness, EvaluationPoint, LocalFrames, System, VectorKind};
 
 /// Skew load stiffness over the size of the loads per length of the model below which it is round-off.
@@ -65,11 +64,8 @@ fn size_of_forces(system: &System, forces: &[Nodal]) -> f64 {
 /// Scale of each unknown: 1/length of positions, 1 of directors and rotations.
 fn scales(system: &System, frames: &LocalFrames) -> Vec<f64> {
     let mut scales = vec![1.0; system.unknowns()];
-    let kinds = system.coordinates.kinds.iter().enumerate();
-    for (v, _) in kinds.filter(|(_, kind)| **kind == VectorKind::Position) {
-        for number in frames.of(v).into_iter().filter(|number| *number != CONSTRAINED) {
-            scales[number as usize] = 1.0 / system.length;
-        }
+    for number in unknowns_of(system, frames.dofs(), VectorKind::Position) {
+        scales[number as usize] = 1.0 / system.length;
     }
     scales
 }

@@ -45,7 +45,7 @@ const DEPARTURE: [f64; 2] = [0.1, 0.03];
 const MOST_EXCESS: f64 = 5.0;
 /// Bounds of the change of the length from step to step.
 const CHANGE: [f64; 2] = [0.5, 2.0];
-/// Largest change of the load factor in a step over that at the end, where the loads have no potential: eigenvalues that pass through zero in
+/// Largest change of the load factor that is planned for a step behind the first over that at the end, where the loads have no potential: eigenvalues that pass through zero in
 /// opposite directions within one step are not noticed.
 const MOST_LOAD: f64 = 1.0 / 16.0;
 /// Iterations of a step above which the next one is not longer.
