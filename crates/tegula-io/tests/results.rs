@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use tegula_io::deck::Deck;
-use tegula_io::job::{self, JobOptions, Summary, Unwatched};
+use tegula_io::job::{self, JobObserver, JobOptions, Progress, Summary, Unwatched};
 use tegula_io::out::csv;
 
 fn run(text: &str, folder: &Path) -> Summary {
@@ -29,6 +29,92 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         }
     }
     out
+}
+
+/// A strip with a force of zero, of which the program warns.
+const WARNED: &str = r#"
+[mesh]
+type = "plate"
+size = [1.0, 0.5]
+grid = { elements = [2, 1] }
+[materials.rubber]
+type = "isotropic"
+young = 1e6
+poisson = 0.3
+density = 1000.0
+[[sections]]
+material = "rubber"
+thickness = 0.02
+[[conditions]]
+type = "clamp"
+on = "u_min"
+[[loads]]
+type = "force"
+on = "u_max_v_max"
+value = [0.0, 0.0, 0.0]
+[output]
+pictures = false
+"#;
+
+/// Collects warnings, and asks to stop after a step.
+#[derive(Default)]
+struct Heard {
+    messages: Vec<String>,
+    step: u64,
+    stops_after: Option<u64>,
+}
+
+impl JobObserver for Heard {
+    fn on_step(&mut self, progress: &Progress) {
+        self.step = progress.step;
+    }
+    fn on_warning(&mut self, message: &str) {
+        self.messages.push(message.to_owned());
+    }
+    fn interrupted(&self) -> bool {
+        self.stops_after == Some(self.step)
+    }
+}
+
+#[test]
+fn the_summary_lists_the_warnings_of_every_analysis() {
+    let analyses = [
+        "[analysis]\ntype = \"static\"\n",
+        "[analysis]\ntype = \"modal\"\nmodes = 1\n",
+        "[[steps]]\nname = \"load\"\nanalysis = { type = \"static\" }\n[[steps]]\nname = \"tones\"\nanalysis = { type = \"modal\", modes = 1 }\n",
+    ];
+    for analysis in analyses {
+        let folder = tempfile::tempdir().unwrap();
+        let deck = Deck::parse("model.toml", [analysis, WARNED].concat()).unwrap();
+        let options = JobOptions { folder: folder.path().join("out"), resume: false, force: false };
+        let mut heard = Heard::default();
+        let summary = job::run(&deck, &options, &mut heard).unwrap();
+        let Heard { mut messages, .. } = heard;
+        messages.dedup();
+        assert!(messages.iter().any(|message| message.contains("zero")), "{analysis}: {messages:?}");
+        assert_eq!(summary.warnings, messages, "{analysis}");
+        assert_eq!(Summary::read(&options.folder).unwrap().warnings, messages, "{analysis}");
+    }
+}
+
+#[test]
+fn the_summary_keeps_the_warnings_of_an_interrupted_run() {
+    let text = format!("[analysis]\ntype = \"transient\"\nend_time = 0.1\ntime_step = 0.01\n{WARNED}");
+    let folder = tempfile::tempdir().unwrap();
+    let deck = Deck::parse("model.toml", text).unwrap();
+    let mut options = JobOptions { folder: folder.path().join("out"), resume: false, force: false };
+    let mut first = Heard { stops_after: Some(2), ..Heard::default() };
+    job::run(&deck, &options, &mut first).unwrap_err();
+    assert!(!first.messages.is_empty());
+    assert_eq!(Summary::read(&options.folder).unwrap().warnings, first.messages);
+    fs::remove_dir_all(options.folder.join("fields")).unwrap();
+    options.resume = true;
+    let mut second = Heard::default();
+    let summary = job::run(&deck, &options, &mut second).unwrap();
+    // The loss of the files is new; the warnings of the model are told again, but listed once.
+    let new = second.messages.iter().filter(|message| !first.messages.contains(message)).cloned();
+    assert_eq!(summary.warnings, [first.messages.clone(), new.collect()].concat());
+    assert_eq!(summary.warnings.len(), first.messages.len() + 1);
 }
 
 const SHELL: &str = r#"

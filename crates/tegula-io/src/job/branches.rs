@@ -37,7 +37,10 @@ pub(super) fn run(
 ) -> Result<Summary, JobError> {
     let all = number(options, &primary);
     if all == 0 {
-        watch.on_warning("the path has passed no bifurcation: there are no branches to follow (`branches`)");
+        let message = "the path has passed no bifurcation: there are no branches to follow (`branches`)";
+        watch.on_warning(message);
+        primary.add_warning(message);
+        primary.write(&job.folder)?;
         return Ok(primary);
     }
     let known = std::mem::take(&mut primary.branches);
@@ -77,13 +80,18 @@ pub(super) fn run(
         let outcome = run_one(&branch, (prepared, &[]), &own, watch);
         let reached = Summary::read(&place).ok();
         primary.branches[i].status = reached.as_ref().map(|summary| summary.status);
-        primary.branches[i].load_factor = reached.map(|summary| summary.time);
+        primary.branches[i].load_factor = reached.as_ref().map(|summary| summary.time);
+        for message in reached.iter().flat_map(|summary| &summary.warnings) {
+            primary.add_warning(message);
+        }
         primary.write(&job.folder)?;
         match outcome {
             Ok(_) => {}
             Err(JobError::Analysis { error, .. }) => {
-                watch
-                    .on_warning(&format!("the branch in {folder} could not be followed to its end: {error}"));
+                let message = format!("the branch in {folder} could not be followed to its end: {error}");
+                watch.on_warning(&message);
+                primary.add_warning(&message);
+                primary.write(&job.folder)?;
             }
             Err(JobError::Interrupted { resumable, .. }) => {
                 return Err(JobError::Interrupted { folder: job.folder.clone(), resumable });

@@ -32,7 +32,13 @@ pub(super) fn run<T>(
     watch.on_start(&start);
     let mut summary = summary(deck, prepared, &start);
     summary.write(folder.path())?;
-    let mut forward = Forward { folder: &mut folder, watch, failed: None, before: Statistics::default() };
+    let mut forward = Forward {
+        folder: &mut folder,
+        watch,
+        failed: None,
+        before: Statistics::default(),
+        warnings: Vec::new(),
+    };
     forward.log(&opening(&summary, &start));
     for message in prepared.system.closed_gaps.iter().flat_map(|gaps| gaps.messages()) {
         forward.on_event(&message);
@@ -42,6 +48,9 @@ pub(super) fn run<T>(
     }
     let outcome = solve(&mut forward);
     let (before, mut failed) = (forward.before, forward.failed);
+    for message in &forward.warnings {
+        summary.add_warning(message);
+    }
     let result = match outcome {
         Ok(found) => {
             (summary.status, summary.time) = (Status::Complete, start.end);
@@ -84,6 +93,7 @@ pub(super) struct Forward<'a> {
     failed: Option<OutputError>,
     /// Counts of the equilibrium about which the modes are.
     pub before: Statistics,
+    warnings: Vec<String>,
 }
 
 impl Forward<'_> {
@@ -117,6 +127,7 @@ impl Observer for Forward<'_> {
 
     fn on_warning(&mut self, message: &str) {
         self.log(&format!("warning: {message}"));
+        self.warnings.push(message.into());
         self.watch.on_warning(message);
     }
 

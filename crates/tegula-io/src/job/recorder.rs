@@ -123,6 +123,10 @@ impl<'a> Recorder<'a> {
 
     fn warning(&mut self, message: &str) -> std::result::Result<(), OutputError> {
         self.watch.on_warning(message);
+        if self.summary.add_warning(message) {
+            // A run that is killed and resumed keeps it.
+            self.summary.write(self.folder.path())?;
+        }
         self.folder.log(&format!("warning: {message}"))
     }
 

@@ -67,6 +67,7 @@ pub(super) fn run_one(
         }
         return Ok(done);
     }
+    let earlier_warnings = Summary::earlier_warnings(options);
     let folder = if options.resume {
         ResultFolder::resume(&options.folder)?
     } else {
@@ -80,7 +81,7 @@ pub(super) fn run_one(
     };
     let start = start(deck, prepared, memory.as_ref());
     watch.on_start(&start);
-    let summary = summary(deck, prepared, &start);
+    let summary = Summary { warnings: earlier_warnings, ..summary(deck, prepared, &start) };
     let (mut opening, place) = (summary.clone(), folder.path().to_owned());
     let opened =
         Recorder::new(&deck.model, prepared, folder, summary, memory, watch).and_then(|mut recorder| {
@@ -210,6 +211,7 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         critical_points: None,
         branches: Vec::new(),
         assembly: prepared.system.closed_gaps.as_deref().map(AssemblyResult::from),
+        warnings: Vec::new(),
         energy: Energy::default(),
         points: Default::default(),
         supports: Default::default(),

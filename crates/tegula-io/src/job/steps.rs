@@ -31,17 +31,18 @@ pub(super) fn run(
     for listed in compiler.steps().iter().enumerate().map(|(i, step)| listed(i, step)) {
         ResultFolder::refuse_foreign(&options.folder.join(listed.folder))?;
     }
+    let earlier_warnings = Summary::earlier_warnings(options);
     let mut folder = if options.resume {
         ResultFolder::resume_steps(&options.folder, prepared.fingerprint)?
     } else {
         ResultFolder::start(&options.folder, &claim(deck, prepared, options))?
     };
     let mut whole = Whole::new(deck, prepared, compiler.steps());
-    whole.summary.write(folder.path())?;
+    whole.summary.warnings = earlier_warnings;
     for warning in &prepared.warnings {
-        watch.on_warning(&warning.to_string());
-        folder.log(&format!("warning: {warning}"))?;
+        whole.warn(&warning.to_string(), (&mut folder, watch))?;
     }
+    whole.summary.write(folder.path())?;
     let outcome = whole.run(deck, prepared, compiler, options, (&mut folder, watch));
     whole.conclude(&mut folder, outcome)
 }
@@ -103,8 +104,7 @@ impl Whole {
                     for warning in
                         step.starts_from.map(|_| warnings_at_start(step, &of_step.system)).unwrap_or_default()
                     {
-                        watch.on_warning(&warning.to_string());
-                        folder.log(&format!("warning: {warning}"))?;
+                        self.warn(&warning.to_string(), (folder, watch))?;
                     }
                     let resume = options.resume && resumable(&step.model.analysis, &place);
                     let outcome = run_prepared(&of_deck, &of_step, &JobOptions { resume, ..own }, watch);
@@ -122,6 +122,16 @@ impl Whole {
             ends.push(end.map(|(end, _)| end));
         }
         Ok(())
+    }
+
+    fn warn(
+        &mut self,
+        message: &str,
+        (folder, watch): (&mut ResultFolder, &mut dyn JobObserver),
+    ) -> Result<(), JobError> {
+        watch.on_warning(message);
+        self.summary.add_warning(message);
+        Ok(folder.log(&format!("warning: {message}"))?)
     }
 
     fn begin(&mut self, step: usize, folder: &mut ResultFolder) -> Result<(), JobError> {
@@ -145,6 +155,7 @@ impl Whole {
             title: before.title.clone(),
             fingerprint: before.fingerprint.clone(),
             analyses: before.analyses.clone(),
+            warnings: before.warnings.clone(),
             assembly: before.assembly.clone().or_else(|| of_step.assembly.clone()),
             steps: parts().map(|p| p.steps).sum(),
             iterations: parts().map(|p| p.iterations).sum(),
@@ -159,6 +170,9 @@ impl Whole {
                 .collect(),
             ..of_step.clone()
         };
+        for message in &of_step.warnings {
+            summary.add_warning(message);
+        }
         summary.analyses[step].status = Some(of_step.status);
         summary.analyses[step].stop.clone_from(&of_step.stop);
         self.summary = summary;

@@ -7,6 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use tegula::analysis::path::{CriticalKind, CriticalPoint};
 use tegula::analysis::{Balance, Stopped};
 
+use super::JobOptions;
 use super::assembly::AssemblyResult;
 use super::forces::{AccelerationResult, BalanceResult, ForceResult};
 use crate::out::{OutputError, write_over, write_whole};
@@ -232,6 +233,9 @@ pub struct Summary {
     /// Gaps that were closed at the start and bodies that have moved for it, where the joints do not meet in the reference configuration.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub assembly: Option<AssemblyResult>,
+    /// Warnings, each text once, in the order in which they came; those of all analyses where several follow one another.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// Energies at the end.
     pub energy: Energy,
     /// Recorded points at the end.
@@ -273,7 +277,27 @@ pub struct Summary {
     pub threads: usize,
 }
 
+/// Largest number of warnings in a summary.
+const MOST_WARNINGS: usize = 100;
+
 impl Summary {
+    /// Adds a warning, unless the same one is known. The last one that is listed says that the log has more. Returns whether the list has grown.
+    pub(super) fn add_warning(&mut self, message: &str) -> bool {
+        let grows =
+            self.warnings.len() <= MOST_WARNINGS && !self.warnings.iter().any(|known| known == message);
+        if grows {
+            let full = self.warnings.len() == MOST_WARNINGS;
+            self.warnings.push(if full { "`log.txt` has more warnings".into() } else { message.into() });
+        }
+        grows
+    }
+
+    /// Warnings of an earlier part of a run, if there is one.
+    pub(super) fn earlier_warnings(options: &JobOptions) -> Vec<String> {
+        let earlier = options.resume.then(|| Self::read(&options.folder).ok()).flatten();
+        earlier.map(|summary| summary.warnings).unwrap_or_default()
+    }
+
     /// Reads the summary of a result folder.
     ///
     /// # Errors

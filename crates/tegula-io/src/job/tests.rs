@@ -411,7 +411,8 @@ fn a_run_goes_on_without_the_files_that_are_gone_and_says_so() {
     fs::remove_dir_all(path.join("fields")).unwrap();
     fs::write(path.join(".tegula-abc.part"), "half").unwrap();
     let mut warnings = Warnings::default();
-    run(&deck, &options(path, true), &mut warnings).unwrap();
+    let summary = run(&deck, &options(path, true), &mut warnings).unwrap();
+    assert_eq!(summary.warnings, warnings.0);
     assert!(
         warnings.0.iter().any(|w| w.contains("field file(s) of the earlier part are no longer there")),
         "{:?}",
