@@ -12,6 +12,7 @@ use crate::model::supports::{Constraints, Direction, SupportedNode};
 use crate::model::{AddedMass, Condition, InitialVelocity, Model};
 use crate::section::SectionInertia;
 use crate::system::coordinates::Body;
+use crate::system::dof_map::DofMap;
 use crate::system::supports::{Conflict, Support};
 use crate::system::{Coordinates, DeadLoad, System, VectorKind};
 use crate::{Issue, Vec3};
@@ -107,11 +108,12 @@ pub(super) fn contradictions(conflicts: &[Conflict], vectors: &Vectors, mesh: &M
     pairs.into_iter().filter_map(issue).collect()
 }
 
-/// Follower loads, each with the number of its load of the model.
+/// Follower loads, each with the number of its load of the model. A moment on a node that is attached to a body acts on the body, which takes
+/// all its components.
 pub(super) fn follower_loads(
     step: &StepModel,
     mesh: &Mesh,
-    vectors: &Vectors,
+    (vectors, dofs): (&Vectors, &DofMap),
     amplitudes: &BTreeMap<String, usize>,
 ) -> (Vec<FollowerLoad>, Vec<usize>) {
     let loaded = Loaded { mesh, coordinates: &vectors.coordinates };
@@ -131,7 +133,14 @@ pub(super) fn follower_loads(
                 }
                 Action::Moment { node, moment } => {
                     let vector = vectors.coordinates.director_of[node as usize];
-                    out.push(FollowerLoad::Moment { vector, moment, factor });
+                    let attached = dofs.attached.binary_search_by_key(&vector, |attached| attached.vector);
+                    out.push(match attached {
+                        Ok(i) => {
+                            let directors = dofs.triads[dofs.attached[i].triad as usize];
+                            FollowerLoad::BodyMoment { directors, moment, factor }
+                        }
+                        Err(_) => FollowerLoad::Moment { vector, moment, factor },
+                    });
                 }
                 Action::EdgeMoment { set, moment } => {
                     out.extend(edge_moments(&set, moment, factor, mesh, vectors));

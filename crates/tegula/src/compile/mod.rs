@@ -425,7 +425,8 @@ impl<'a> Compiler<'a> {
         let StepJoints { joints, groups, start, .. } = of_step;
         let at_start = inertia_relief.as_ref().map(|_| self.current(start.as_ref()));
         issues.extend(self.unheld(model, &joints, &supports, at_start));
-        let (mut followers, mut load_of_follower) = follower_loads(step, mesh, vectors, &names);
+        let (mut followers, mut load_of_follower) =
+            follower_loads(step, mesh, (vectors, frames.dofs()), &names);
         let mut load_sets = force_sets::of_loads(model, mesh);
         for (name, load) in &self.own_loads {
             load_of_follower.push(load_sets.len());
