@@ -12,6 +12,7 @@ use crate::model::supports::PrescribedMotion;
 use crate::model::{Analysis, Load, Model, NodalVector, PrescribedStrain};
 use crate::norm::max_norm;
 use crate::system::dof_map::Prescribed;
+use crate::system::lumped_body::LumpedBody;
 use crate::system::{Procedure, ShellSection, System, VectorKind};
 use crate::{Issue, Vec3};
 
@@ -75,6 +76,29 @@ pub fn warnings_before_start(step: &StepModel, mesh: &Mesh, system: &System) -> 
     step.located(found)
 }
 
+/// Ratio of the moment of inertia of a body with lumped masses to the exact one above which a warning tells of it.
+const RAISED: f64 = 1.05;
+
+/// Bodies that the lumped masses of attached shells make turn more slowly in explicit steps.
+fn raised_inertia(model: &Model, system: &System) -> Vec<Issue> {
+    if procedure(&model.analysis) != Procedure::Explicit {
+        return Vec::new();
+    }
+    let raised = LumpedBody::raised_moments(system).into_iter().filter(|(_, ratio)| !(*ratio <= RAISED));
+    let issue = |(body, ratio): (usize, f64)| {
+        let name = &system.coordinates.bodies[body].name;
+        Issue::new(
+            "analysis.scheme",
+            format!(
+                "the moment of inertia of body \"{name}\" is up to {ratio:.3} times the exact one: explicit steps lump the masses of the shells that \
+                 are attached to it at their nodes"
+            ),
+            "refine the mesh of the attached shells, or use `energy-momentum`, which has their exact inertia",
+        )
+    };
+    raised.map(issue).collect()
+}
+
 /// Folds of a model some of whose steps are explicit and others not: all of them have the softer constraint.
 pub fn soft_folds(steps: &[StepModel], system: &System) -> Option<Issue> {
     let explicit = |step: &StepModel| procedure(&step.model.analysis) == Procedure::Explicit;
@@ -104,6 +128,7 @@ fn independent_of_the_start(model: &Model, mesh: &Mesh, system: &System) -> Vec<
     found.extend(seams(model, mesh));
     found.extend(prism(model, mesh, system));
     found.extend(coarse_steps(model, system));
+    found.extend(raised_inertia(model, system));
     found.extend(far_from_the_origin(system));
     found.extend(shared_thickness_strains(model, system));
     for (i, section) in model.sections.iter().enumerate() {

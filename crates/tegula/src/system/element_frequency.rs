@@ -15,6 +15,7 @@ use super::assembly::{ElementBlocks, pairs};
 use super::connection_frequency::{body_of, is_connection, is_joint};
 use crate::Vec3;
 use crate::element::{ElementGroup, Nodal};
+use crate::load::FollowerLoad;
 use crate::norm::larger;
 
 /// Largest number of degrees of freedom of an element.
@@ -216,6 +217,10 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
     let mut square = Square::<LARGEST>::new();
     let mut highest = 0.0_f64;
     for load in &system.followers {
+        // A moment that is constant in space has no symmetric stiffness against rotations of its body.
+        if matches!(load, FollowerLoad::BodyMoment { .. }) {
+            continue;
+        }
         let n = load.vectors().len();
         let (mut x, mut part, mut blocks) = ([Vec3::zeros(); 4], [0.0; 4], [0.0; 90]);
         for (a, &v) in load.vectors().iter().enumerate() {
@@ -227,7 +232,8 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
         load.stiffness(&x[..n], &mut blocks[..9 * pairs(n)]);
         let factor = system.factor(load.factor(), time);
         blocks.iter_mut().for_each(|k| *k *= factor);
-        square.fill(&blocks[..9 * pairs(n)], &part[..n], |_| true);
+        // Positions and directors of bodies have their masses in the bodies' inertia.
+        square.fill(&blocks[..9 * pairs(n)], &part[..n], |a| part[a] > 0.0);
         highest = larger(highest, square.bound(highest));
     }
     highest

@@ -1,7 +1,12 @@
 //! Rigid bodies in explicit steps: inertia with that of the lumped masses that are attached to them.
 
-use super::System;
+use std::collections::BTreeMap;
+
+use super::connection_frequency::is_connection;
 use super::dof_map::DofMap;
+use super::element_frequency::{MassShares, row_sums};
+use super::rigid_patch::Attached;
+use super::{System, VectorKind};
 use crate::element::Nodal;
 use crate::{Mat3, Vec3};
 
@@ -67,6 +72,59 @@ impl LumpedBody {
             body.euler -= body.offset * body.offset.transpose() * body.mass;
         }
         out
+    }
+
+    /// Indices of bodies, and the largest ratio, over all axes, of the moment of inertia with the lumped masses to the one with the consistent mass
+    /// of the elements whose vectors all are attached to the body: row sums move the mass of an element to its nodes.
+    pub fn raised_moments(system: &System) -> Vec<(usize, f64)> {
+        if system.dofs().attached.is_empty() {
+            return Vec::new();
+        }
+        let shares = MassShares::new(system);
+        let mut mass = vec![0.0; system.vectors()];
+        system.pattern.for_each_mass(|i, j, m| {
+            if i == j {
+                mass[i] = m;
+            }
+        });
+        let attached: BTreeMap<u32, &Attached> =
+            system.dofs().attached.iter().map(|attached| (attached.vector, attached)).collect();
+        let bodies = Self::all(system, &mass);
+        // Excess of the Euler tensors of the lumped masses. The masses and their first moments are those of the consistent mass.
+        let mut excess = vec![Mat3::zeros(); bodies.len()];
+        for group in system.groups.iter().filter(|group| !is_connection(group.as_ref())) {
+            for e in 0..group.len() {
+                let vectors = group.vectors(e);
+                let on: Vec<&Attached> = vectors.iter().filter_map(|v| attached.get(v).copied()).collect();
+                let Some(first) = on.first().filter(|_| on.len() == vectors.len()) else { continue };
+                if on.iter().any(|other| other.triad != first.triad) || group.mass(e).is_empty() {
+                    continue;
+                }
+                let excess = &mut excess[first.triad as usize];
+                let own = row_sums(&system.coordinates.kinds, vectors, group.mass(e));
+                for (a, m) in on.iter().zip(own) {
+                    let v = a.vector as usize;
+                    // The inertia of directors may be raised.
+                    let is_director = system.coordinates.kinds[v] == VectorKind::Director;
+                    let raise = if is_director && m > 0.0 { mass[v] / shares.own(v) } else { 1.0 };
+                    *excess += a.coordinates * a.coordinates.transpose() * (raise * m);
+                }
+                let mut masses = group.mass(e).iter();
+                for (a, b) in on.iter().enumerate().flat_map(|(i, a)| on[..=i].iter().map(move |b| (a, b))) {
+                    let product = a.coordinates * b.coordinates.transpose() * *masses.next().unwrap_or(&0.0);
+                    *excess -= if a.vector == b.vector { product } else { product + product.transpose() };
+                }
+            }
+        }
+        let ratio = |(body, excess): (&Self, &Mat3)| {
+            let inertia = body.inertia(&Mat3::identity());
+            let exact = inertia - (Mat3::identity() * excess.trace() - excess);
+            // Largest eigenvalue of J x = r J_exact x.
+            let root = exact.cholesky()?.l();
+            let inverse = root.try_inverse()?;
+            Some((body.body, (inverse * inertia * inverse.transpose()).symmetric_eigenvalues().max()))
+        };
+        bodies.iter().zip(&excess).filter_map(ratio).collect()
     }
 
     /// Inertia tensor about the mass centre where the directors of the body are the columns of `axes`.

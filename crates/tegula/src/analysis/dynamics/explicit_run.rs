@@ -223,7 +223,8 @@ impl<'a> ExplicitSteps<'a> {
                 state.time
             ));
         }
-        if !state.next_step.is_finite() || state.next_step < SMALLEST_STEP * options.end_time {
+        if step.is_nan() || !state.next_step.is_finite() || state.next_step < SMALLEST_STEP * options.end_time
+        {
             return Err(self.unstable(format!(
                 "the critical time step {step:.3e} is not finite, or too short to reach the end time"
             )));
