@@ -44,8 +44,12 @@ const ROUNDS: usize = 5;
 const COUPLED: usize = 4;
 /// Places in a gap, as fractions of its width, where eigenvalues are counted until a factorisation succeeds.
 const PLACES: [f64; 4] = [0.5, 0.35, 0.65, 0.2];
-/// Part of the round-off of the assembled stiffness up to which the strain energy of a motion is round-off.
-const RESOLVED: f64 = 1e-2;
+/// Part of the bound of the round-off of the assembled stiffness up to which the strain energy of a motion, which is summed without cancellation,
+/// is round-off.
+const RESOLVED: f64 = 1e-8;
+/// Part of this bound up to which the eigenvalue of the assembled stiffness is round-off where the strain energy is not known, about a loaded state:
+/// the sums that the bound is of have errors of some ten-thousandths of it.
+const RESOLVED_BY_EIGENVALUE: f64 = 1e-2;
 /// Shift below zero over the softening by centrifugal forces.
 const SOFTENING: f64 = 1.05;
 /// Difference of a mode's strain energy from the eigenvalue of the assembled stiffness, over its value, above which
@@ -216,7 +220,7 @@ fn lowest_modes(
     let sturm_checked = find(problem, &mut searches, observer)?;
     for search in searches {
         for (lambda, pair) in search.finish() {
-            modes.push(mode(problem, lambda, pair)?);
+            modes.push(mode(problem, lambda, pair, &mut *observer)?);
         }
     }
     modes.sort_by(|a, b| a.omega.total_cmp(&b.omega));
@@ -363,7 +367,7 @@ fn rigid_modes(problem: &mut Problem, wanted: usize) -> Vec<Mode> {
 ///
 /// # Errors
 /// The assembled stiffness does not resolve the mode.
-fn mode(problem: &mut Problem, lambda: f64, mut pair: RitzPair) -> Result<Mode> {
+fn mode(problem: &mut Problem, lambda: f64, mut pair: RitzPair, observer: &mut dyn Observer) -> Result<Mode> {
     let system = problem.system;
     problem.constrain(&mut pair.vector);
     let mut shape = vec![[0.0; 3]; system.vectors()];
@@ -371,7 +375,8 @@ fn mode(problem: &mut Problem, lambda: f64, mut pair: RitzPair) -> Result<Mode> 
     let mut exact = lambda;
     // Joints let parts move against each other without strain.
     let round_off = problem.round_off(&pair.vector);
-    let mut free = system.may_be_loose() && lambda.abs() <= round_off;
+    let resolved = if problem.stress_free { 1.0 } else { RESOLVED_BY_EIGENVALUE };
+    let mut free = system.may_be_loose() && lambda.abs() <= resolved * round_off;
     if problem.stress_free {
         // The strain energy gives the Rayleigh quotient without cancellation.
         exact = problem.small_strain_energy(&shape) / system.kinetic_energy(&shape);
@@ -381,6 +386,13 @@ fn mode(problem: &mut Problem, lambda: f64, mut pair: RitzPair) -> Result<Mode> 
                 "a mode of ω² = {exact:.4e} by its strain energy has {lambda:.4e} by the assembled stiffness"
             )));
         }
+    }
+    if free && !problem.stress_free {
+        observer.on_warning(&format!(
+            "a motion that joints leave counts as free: its ω² = {lambda:.1e} about the loaded state is round-off of the stiffness, which hides \
+             springs and loads that give less than {:.1e}",
+            resolved * round_off
+        ));
     }
     if free {
         exact = 0.0;
