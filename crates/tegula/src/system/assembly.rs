@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::body_curvature::{self, BodyCurvature};
 use super::evaluation_point::{EvaluationPoint, current_vector};
 use super::pattern::BATCH;
-use super::{GroupOffsets, LocalFrames, Reduction, System};
+use super::{GroupOffsets, LocalFrames, Reduction, System, VectorKind};
 use crate::Vec3;
 use crate::element::{ElementGroup, Motion, Nodal, TangentRequest, TangentWeights};
 use crate::lists::Lists;
@@ -227,6 +227,28 @@ impl Assembly {
                 f(ElementBlocks { group, first: members.start, blocks: &blocks[..own] });
             }
         });
+    }
+
+    /// Sum, over all elements, of the largest stiffness of a position (force/length): the scale of the round-off of stiffnesses that cancel.
+    pub fn stiffness_of_elements(
+        &mut self,
+        system: &System,
+        k: &EvaluationPoint,
+        parts: &TangentCoefficients,
+    ) -> f64 {
+        let mut sum = 0.0;
+        self.for_each_element(system, k, parts, |elements| {
+            let n = elements.group.vectors_per_element();
+            for (e, blocks) in elements.blocks.chunks(9 * pairs(n)).enumerate() {
+                let vectors = elements.group.vectors(elements.first + e).iter().enumerate();
+                let positions =
+                    vectors.filter(|(_, v)| system.coordinates.kinds[**v as usize] == VectorKind::Position);
+                // The diagonal block of the a-th vector closes the row of a + 1 blocks.
+                let entries = positions.flat_map(|(a, _)| &blocks[9 * (pairs(a + 1) - 1)..][..9]);
+                sum += entries.map(|x| x.abs()).fold(0.0, larger);
+            }
+        });
+        sum
     }
 
     /// Evaluates the elements, then the follower loads, in the batches of the pattern, and hands group and elements of the

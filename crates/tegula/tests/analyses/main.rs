@@ -68,6 +68,7 @@ mod paths;
 mod racks;
 mod reactions;
 mod relative_angles;
+mod rigid_plates;
 mod screws;
 mod sensors;
 mod sheet_to_membrane;
