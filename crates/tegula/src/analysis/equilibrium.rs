@@ -114,11 +114,16 @@ const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 /// Stiffness of positions (force/length) that is round-off: where all vectors of elements are attached to one body, their stiffness cancels
 /// in the reduction to its motions, but for the round-off of its summands.
 fn round_off_of_stiffness(system: &System, assembly: &mut Assembly, state: &State) -> f64 {
+    ROUND_OFF * stiffness_of_attached_elements(system, assembly, state)
+}
+
+/// Scale of the stiffness of elements (force/length), where nodes are attached to bodies; else 0.
+pub(super) fn stiffness_of_attached_elements(system: &System, assembly: &mut Assembly, state: &State) -> f64 {
     if system.dofs().attached.is_empty() {
         return 0.0;
     }
     let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: state.time };
-    ROUND_OFF * assembly.stiffness_of_elements(system, &state.point(system), &parts)
+    assembly.stiffness_of_elements(system, &state.point(system), &parts)
 }
 
 /// Square of the size of a model over the shortest arms of joints that count.

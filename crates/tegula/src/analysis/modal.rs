@@ -44,12 +44,13 @@ const ROUNDS: usize = 5;
 const COUPLED: usize = 4;
 /// Places in a gap, as fractions of its width, where eigenvalues are counted until a factorisation succeeds.
 const PLACES: [f64; 4] = [0.5, 0.35, 0.65, 0.2];
-/// Part of the bound of the round-off of the assembled stiffness up to which the strain energy of a motion, which is summed without cancellation,
-/// is round-off.
-const RESOLVED: f64 = 1e-8;
-/// Part of this bound up to which the eigenvalue of the assembled stiffness is round-off where the strain energy is not known, about a loaded state:
-/// the sums that the bound is of have errors of some ten-thousandths of it.
-const RESOLVED_BY_EIGENVALUE: f64 = 1e-2;
+/// Part of the bound of the round-off of the assembled stiffness up to which the strain energy of a motion is round-off.
+const RESOLVED: f64 = 1e-2;
+/// Part of this bound up to which the eigenvalue of the assembled stiffness is round-off where the strain energy is not known, about a loaded state.
+/// The eigenvalues of motions that are free were found below 5e-3 of it.
+const RESOLVED_BY_EIGENVALUE: f64 = 5e-2;
+/// Part of this bound from which on such an eigenvalue may not be round-off alone.
+const DOUBTFUL: f64 = 1e-2;
 /// Shift below zero over the softening by centrifugal forces.
 const SOFTENING: f64 = 1.05;
 /// Difference of a mode's strain energy from the eigenvalue of the assembled stiffness, over its value, above which
@@ -374,7 +375,7 @@ fn mode(problem: &mut Problem, lambda: f64, mut pair: RitzPair, observer: &mut d
     problem.newton.assembly.frames.expand(&pair.vector, &mut shape);
     let mut exact = lambda;
     // Joints let parts move against each other without strain.
-    let round_off = problem.round_off(&pair.vector);
+    let round_off = problem.round_off(&pair.vector) + problem.round_off_of_attached(&shape);
     let resolved = if problem.stress_free { 1.0 } else { RESOLVED_BY_EIGENVALUE };
     let mut free = system.may_be_loose() && lambda.abs() <= resolved * round_off;
     if problem.stress_free {
@@ -387,10 +388,10 @@ fn mode(problem: &mut Problem, lambda: f64, mut pair: RitzPair, observer: &mut d
             )));
         }
     }
-    if free && !problem.stress_free {
+    if free && !problem.stress_free && lambda.abs() > DOUBTFUL * round_off {
         observer.on_warning(&format!(
-            "a motion that joints leave counts as free: its ω² = {lambda:.1e} about the loaded state is round-off of the stiffness, which hides \
-             springs and loads that give less than {:.1e}",
+            "a motion that joints leave counts as free: its ω² = {lambda:.1e} (rad/time)² about the loaded state may be round-off of the stiffness, \
+             which hides springs and loads that give less than {:.1e}",
             resolved * round_off
         ));
     }

@@ -452,13 +452,11 @@ impl<'a> Compiler<'a> {
         issues.extend(drilling_components(&followers, &load_of_follower, vectors, mesh));
         let added = added_masses(model, mesh, vectors);
         let procedure = procedure(&model.analysis);
-        let reductions = self
-            .groups
-            .iter()
-            .map(|group| Reduction::new((0..group.len()).map(|e| group.vectors(e)), frames.dofs()));
+        let reductions =
+            self.groups.iter().map(|group| Reduction::of_elements(group.as_ref(), frames.dofs()));
         let reductions: Vec<_> = reductions.collect();
         let reduction_of_followers =
-            Reduction::new(followers.iter().map(FollowerLoad::vectors), frames.dofs());
+            Reduction::new(followers.iter().map(FollowerLoad::vectors), false, frames.dofs());
         let loads = ReducedLoads { loads: &followers, reduction: reduction_of_followers.as_ref() };
         let pattern = self.pattern(procedure, &frames, (&reductions, loads), &added)?;
         let initial_velocity = self.initial_velocities(step, (&frames, start.as_ref()), &mut issues);

@@ -7,6 +7,7 @@ use super::assembly::pairs;
 use super::pattern::BATCH;
 use super::{Attached, DofMap, LocalFrames};
 use crate::Mat3;
+use crate::element::ElementGroup;
 
 /// Contributions of a group, or follower loads, that contain directors of rigid bodies or vectors attached to bodies. In the
 /// tangent the first director of a body stands for its rotation, and the blocks of all others are transformed and added there,
@@ -28,6 +29,9 @@ struct Member {
     vectors: Vec<u32>,
     /// The nodal vectors of the contribution.
     parts: Vec<Part>,
+    /// Whether it is an element that moves with one body as a whole: its stiffness against the motions of the body is zero, which sums of
+    /// blocks give up to round-off only.
+    cancels: bool,
 }
 
 /// Nodal vector of a contribution as a function of those of the tangent.
@@ -43,8 +47,13 @@ struct Part {
 type Term = (usize, Option<Mat3>);
 
 impl Reduction {
-    /// Reduction of contributions with these nodal vectors; `None` if they contain nothing that moves with rigid bodies.
-    pub fn new<'a>(contributions: impl Iterator<Item = &'a [u32]>, dofs: &DofMap) -> Option<Self> {
+    /// Reduction of contributions with these nodal vectors; `None` if they contain nothing that moves with rigid bodies. `invariant`: rigid motions
+    /// of all vectors of a contribution do not change its energy.
+    pub fn new<'a>(
+        contributions: impl Iterator<Item = &'a [u32]>,
+        invariant: bool,
+        dofs: &DofMap,
+    ) -> Option<Self> {
         if dofs.triads.is_empty() {
             return None;
         }
@@ -54,11 +63,18 @@ impl Reduction {
                 blocks = 0;
             }
             if vectors.iter().any(|&v| dofs.is_carried(v as usize)) {
-                members.push(Member::new((number, blocks), vectors, dofs));
+                let mut member = Member::new((number, blocks), vectors, dofs);
+                member.cancels = invariant && member.is_on_one_body();
+                members.push(member);
             }
             blocks += pairs(vectors.len());
         }
         (!members.is_empty()).then_some(Self { members })
+    }
+
+    /// Reduction of the elements of a group.
+    pub fn of_elements(group: &dyn ElementGroup, dofs: &DofMap) -> Option<Self> {
+        Self::new((0..group.len()).map(|e| group.vectors(e)), !group.acts_on_ground(), dofs)
     }
 
     /// Numbers of the reduced contributions, ascending.
@@ -115,6 +131,12 @@ impl Member {
         out
     }
 
+    /// Whether all vectors move with the same body.
+    fn is_on_one_body(&self) -> bool {
+        let bodies = || self.parts.iter().map(|part| part.rotation.map(|(_, attached)| attached.triad));
+        bodies().all(|body| body.is_some() && Some(body) == bodies().next())
+    }
+
     /// Place of a nodal vector in the tangent.
     fn place(&mut self, vector: u32) -> usize {
         self.vectors.iter().position(|w| *w == vector).unwrap_or_else(|| {
@@ -125,6 +147,9 @@ impl Member {
 
     fn reduce(&self, frames: &LocalFrames, blocks: &[f64], out: &mut [f64]) {
         out.fill(0.0);
+        if self.cancels {
+            return;
+        }
         for (a, part_a) in self.parts.iter().enumerate() {
             for (b, part_b) in self.parts[..=a].iter().enumerate() {
                 let pair = pairs(a) + b;

@@ -118,6 +118,38 @@ fn moments_on_attached_nodes_turn_their_body_about_every_axis() {
     }
 }
 
+/// The stiffness of a plate against motions of its body is zero, not the round-off of its elements: a free hinge leaves a free motion, and a spring of
+/// any stiffness has its frequency.
+#[test]
+fn rigid_plates_do_not_hold_their_hinges() {
+    let upright = [0.0, 0.0, 1.0];
+    let inertia = MASS * (1.0 / 3.0 + 1.0 / 12.0);
+    for stiffness in [0.0, 1e-9] {
+        for prestressed in [false, true] {
+            // Without a spring, there is no equilibrium to be found.
+            if prestressed && stiffness == 0.0 {
+                continue;
+            }
+            let hinge = revolute("hinge", "ground", "plate", [0.0, 0.5, 0.0], upright);
+            let mut m = plate_on_body(4, hinge, gravity([0.0, 0.0, -GRAVITY]));
+            if stiffness > 0.0 {
+                m.torsion_springs = vec![torsion_spring(["ground", "plate"], upright, stiffness)];
+            }
+            m.analysis = Analysis::Modal(ModalAnalysis { prestressed, ..ModalAnalysis::new(1) });
+            let (_, system) = compile(&m);
+            let state = prestressed.then(|| modal::prestress(&system, &mut Notes::default()).unwrap().state);
+            let modes = modal::run(&system, 1, state.as_ref(), &mut Notes::default()).unwrap();
+            let (found, exact) = (&modes.modes[0], (stiffness / inertia).sqrt());
+            assert_eq!(found.rigid, stiffness == 0.0, "{prestressed}: {}", found.omega);
+            assert!(
+                (found.omega - exact).abs() <= 1e-6 * exact,
+                "{prestressed} {stiffness}: {} {exact}",
+                found.omega
+            );
+        }
+    }
+}
+
 /// A steel plate that is attached by one edge to a hinge with a spring a million times as soft turns with it: round-off of the shell does not make the
 /// motion a free one. Under an edge load in its plane the hinge has the stiffness k − P L.
 #[test]

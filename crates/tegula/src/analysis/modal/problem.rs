@@ -11,7 +11,7 @@ use crate::analysis::{Observer, State, equilibrium};
 use crate::constraint::{BushingGroup, SpringGroup, TorsionSpringGroup};
 use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest, TangentWeights};
 use crate::model::NewtonMethod;
-use crate::system::{EvaluationPoint, System};
+use crate::system::{EvaluationPoint, System, VectorKind, dot};
 use crate::{Error, Result, Vec3};
 use tegula_sparse::lanczos::SymmetricOperator;
 use tegula_sparse::{Factor as _, SymmetricPattern};
@@ -22,6 +22,8 @@ const APART: f64 = 1e4;
 const FIRST_SHIFT: f64 = 1e-10;
 /// Round-off of an eigenvalue over the sum of its terms' sizes. The equilibrium itself is known to a similar part of its forces.
 const ROUND_OFF: f64 = 1e-12;
+/// Bound of the round-off in the strain energy of rigid motions: squares of the machine precision, with the margin of [`ROUND_OFF`].
+const ROUND_OFF_OF_STRAIN: f64 = 1e6 * f64::EPSILON * f64::EPSILON;
 /// Number of times that the first shift is multiplied by 100 before the matrix counts as indefinite.
 const ATTEMPTS: usize = 12;
 
@@ -263,6 +265,18 @@ impl<'a> Problem<'a> {
         let mut product = vec![0.0; x.len()];
         self.pattern.add_product(&stiffness, &sizes, &mut product);
         ROUND_OFF * product.iter().zip(&sizes).map(|(k, x)| k * x).sum::<f64>()
+    }
+
+    /// Size of the round-off in the strain energy of a shape of unit modal mass: elements that are attached to a body move without strain, but for
+    /// differences of displacements of the size of the machine precision.
+    pub fn round_off_of_attached(&mut self, shape: &[Nodal]) -> f64 {
+        let stiffness =
+            equilibrium::stiffness_of_attached_elements(self.system, &mut self.newton.assembly, &self.state);
+        let kinds = &self.system.coordinates.kinds;
+        let attached = self.system.dofs().attached.iter().map(|attached| attached.vector as usize);
+        let positions = attached.filter(|v| kinds[*v] == VectorKind::Position);
+        let squares: f64 = positions.map(|v| dot(&shape[v..=v], &shape[v..=v])).sum();
+        ROUND_OFF_OF_STRAIN * stiffness * squares
     }
 
     /// Factors with the groups' shifts; true if the matrix is positive definite.

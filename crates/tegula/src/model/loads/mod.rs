@@ -245,7 +245,7 @@ macro_rules! loads {
 // The registry: one line for each load.
 loads! {
     force::Force(VectorLoad): "A force on every node of a set.",
-    moment::Moment(VectorLoad): "A moment on every node of a set; it rotates the director and stays constant in space. Its drilling component\n(along the director) is dropped.",
+    moment::Moment(VectorLoad): "A moment on every node of a set; it rotates the director and stays constant in space. Its drilling component\n(along the director) is dropped, but on nodes that are attached to a body, which takes all components.",
     edge::Edge(VectorLoad): "A force per length of an edge.",
     edge_moment::EdgeMoment(VectorLoad): "A moment per length of an edge, constant in space with all components.",
     traction::Traction(VectorLoad): "A force per reference area, constant in direction.",
