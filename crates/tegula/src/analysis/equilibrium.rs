@@ -97,7 +97,7 @@ pub(super) fn penalty(system: &System, assembly: &mut Assembly, state: &State) -
     if largest > 0.0 && !system.centrifugal.is_empty() { STIFFER * largest / system.length } else { 1.0 }
 }
 
-/// Mean stiffness of the free positions at a state (force/length), if there is some beyond round-off.
+/// Mean stiffness of the free positions at a state (force/length), if there is some.
 pub(super) fn mean_stiffness(system: &System, assembly: &mut Assembly, state: &State) -> Option<f64> {
     assemble_tangent(system, assembly, (state, 0.0), &vec![[0.0; 3]; system.vectors()]);
     let (mut sum, mut count) = (0.0, 0);
@@ -105,25 +105,7 @@ pub(super) fn mean_stiffness(system: &System, assembly: &mut Assembly, state: &S
         sum += diagonal(system, assembly, number);
         count += 1;
     }
-    (sum > round_off_of_stiffness(system, assembly, state)).then(|| sum / f64::from(count))
-}
-
-/// Multiple of the machine precision, relative to the stiffness of all elements, below which a stiffness is round-off.
-const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
-
-/// Stiffness of positions (force/length) that is round-off: where all vectors of elements are attached to one body, their stiffness cancels
-/// in the reduction to its motions, but for the round-off of its summands.
-fn round_off_of_stiffness(system: &System, assembly: &mut Assembly, state: &State) -> f64 {
-    ROUND_OFF * stiffness_of_attached_elements(system, assembly, state)
-}
-
-/// Scale of the stiffness of elements (force/length), where nodes are attached to bodies; else 0.
-pub(super) fn stiffness_of_attached_elements(system: &System, assembly: &mut Assembly, state: &State) -> f64 {
-    if system.dofs().attached.is_empty() {
-        return 0.0;
-    }
-    let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: state.time };
-    assembly.stiffness_of_elements(system, &state.point(system), &parts)
+    (sum > 0.0).then(|| sum / f64::from(count))
 }
 
 /// Square of the size of a model over the shortest arms of joints that count.
@@ -147,11 +129,8 @@ fn diagonal(system: &System, assembly: &Assembly, number: u32) -> f64 {
 /// the harmonic mean of `1/Σ gᵢ²/kᵢ` over the constraints of positions, with the entries g of their gradients for rotations and the
 /// diagonal k of the tangent. The arms of the joints decide. The square of the size of the model in place of the arms would make
 /// it too small for short ones, and their constraints would look dependent.
-fn stiffness_of_rotations(system: &System, assembly: &mut Assembly, state: &State) -> Option<f64> {
-    let round_off = round_off_of_stiffness(system, assembly, state) * system.length * system.length;
-    let rotations: BTreeSet<u32> = unknowns_of(system, system.dofs(), VectorKind::Director)
-        .filter(|number| diagonal(system, assembly, *number) > round_off)
-        .collect();
+fn stiffness_of_rotations(system: &System, assembly: &Assembly, state: &State) -> Option<f64> {
+    let rotations: BTreeSet<u32> = unknowns_of(system, system.dofs(), VectorKind::Director).collect();
     let gradients = gradients_at(system, &assembly.frames, state);
     let rows = system.joints.iter().flat_map(|joint| joint.multipliers().zip(&joint.rows));
     let of_places = rows.filter(|(_, row)| row.keeps == Quantity::Position);
@@ -164,7 +143,8 @@ fn stiffness_of_rotations(system: &System, assembly: &mut Assembly, state: &Stat
         gradients[i].iter().map(of_entry).sum::<f64>()
     };
     let found: Vec<f64> = of_places.map(compliance).filter(|compliance| *compliance > 0.0).collect();
-    let stiffnesses: Vec<f64> = rotations.iter().map(|number| diagonal(system, assembly, *number)).collect();
+    let stiffnesses: Vec<f64> =
+        rotations.iter().map(|number| diagonal(system, assembly, *number)).filter(|k| *k > 0.0).collect();
     if stiffnesses.is_empty() {
         return None;
     }

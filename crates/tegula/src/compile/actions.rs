@@ -133,13 +133,12 @@ pub(super) fn follower_loads(
                 }
                 Action::Moment { node, moment } => {
                     let vector = vectors.coordinates.director_of[node as usize];
-                    let attached = dofs.attached.binary_search_by_key(&vector, |attached| attached.vector);
-                    out.push(match attached {
-                        Ok(i) => {
-                            let directors = dofs.triads[dofs.attached[i].triad as usize];
+                    out.push(match dofs.carried(vector as usize) {
+                        Some(attached) => {
+                            let directors = dofs.triads[attached.triad as usize];
                             FollowerLoad::BodyMoment { directors, moment, factor }
                         }
-                        Err(_) => FollowerLoad::Moment { vector, moment, factor },
+                        None => FollowerLoad::Moment { vector, moment, factor },
                     });
                 }
                 Action::EdgeMoment { set, moment } => {

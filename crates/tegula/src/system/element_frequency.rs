@@ -58,7 +58,7 @@ impl MassShares {
             }
         }
         out.count_connections(system);
-        for load in &system.followers {
+        for load in system.followers.iter().filter(|load| bounds_the_step(load)) {
             load.vectors().iter().for_each(|&v| out.loads[v as usize] += 1);
         }
         out
@@ -209,6 +209,12 @@ pub fn of_part(
         .reduce(|| 0.0, larger)
 }
 
+/// Whether the stiffness of a follower load may raise a frequency: a moment that is constant in space has no symmetric stiffness against
+/// rotations of its body.
+fn bounds_the_step(load: &FollowerLoad) -> bool {
+    !matches!(load, FollowerLoad::BodyMoment { .. })
+}
+
 /// Bound of the largest eigenvalue that the symmetric part of the stiffness of follower loads adds.
 pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nodal], time: f64) -> f64 {
     if system.linear {
@@ -216,11 +222,7 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
     }
     let mut square = Square::<LARGEST>::new();
     let mut highest = 0.0_f64;
-    for load in &system.followers {
-        // A moment that is constant in space has no symmetric stiffness against rotations of its body.
-        if matches!(load, FollowerLoad::BodyMoment { .. }) {
-            continue;
-        }
+    for load in system.followers.iter().filter(|load| bounds_the_step(load)) {
         let n = load.vectors().len();
         let (mut x, mut part, mut blocks) = ([Vec3::zeros(); 4], [0.0; 4], [0.0; 90]);
         for (a, &v) in load.vectors().iter().enumerate() {

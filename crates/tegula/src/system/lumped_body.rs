@@ -1,7 +1,5 @@
 //! Rigid bodies in explicit steps: inertia with that of the lumped masses that are attached to them.
 
-use std::collections::BTreeMap;
-
 use super::connection_frequency::is_connection;
 use super::dof_map::DofMap;
 use super::element_frequency::{MassShares, row_sums};
@@ -87,15 +85,14 @@ impl LumpedBody {
                 mass[i] = m;
             }
         });
-        let attached: BTreeMap<u32, &Attached> =
-            system.dofs().attached.iter().map(|attached| (attached.vector, attached)).collect();
         let bodies = Self::all(system, &mass);
         // Excess of the Euler tensors of the lumped masses. The masses and their first moments are those of the consistent mass.
         let mut excess = vec![Mat3::zeros(); bodies.len()];
         for group in system.groups.iter().filter(|group| !is_connection(group.as_ref())) {
             for e in 0..group.len() {
                 let vectors = group.vectors(e);
-                let on: Vec<&Attached> = vectors.iter().filter_map(|v| attached.get(v).copied()).collect();
+                let on: Vec<Attached> =
+                    vectors.iter().filter_map(|v| system.dofs().carried(*v as usize)).collect();
                 let Some(first) = on.first().filter(|_| on.len() == vectors.len()) else { continue };
                 if on.iter().any(|other| other.triad != first.triad) || group.mass(e).is_empty() {
                     continue;

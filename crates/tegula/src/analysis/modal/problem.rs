@@ -11,6 +11,7 @@ use crate::analysis::{Observer, State, equilibrium};
 use crate::constraint::{BushingGroup, SpringGroup, TorsionSpringGroup};
 use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest, TangentWeights};
 use crate::model::NewtonMethod;
+use crate::system::assembly::TangentCoefficients;
 use crate::system::{EvaluationPoint, System, VectorKind, dot};
 use crate::{Error, Result, Vec3};
 use tegula_sparse::lanczos::SymmetricOperator;
@@ -85,6 +86,8 @@ pub(super) struct Problem<'a> {
     pub state: State,
     /// Weight of the augmented Lagrangian of joints, which is part of the stiffness.
     penalty: f64,
+    /// Scale of the stiffness of elements (force/length) where nodes are attached to bodies, else 0.
+    stiffness_of_elements: f64,
     /// Most that centrifugal forces take from an eigenvalue without them: shifts are below it.
     pub softening: f64,
     /// Applications of the inverse so far.
@@ -133,6 +136,13 @@ impl<'a> Problem<'a> {
         let linear = system.sections.iter().all(|s| s.section.is_linear());
         let sprung = has_springs(system);
         let preloaded = sprung && is_preloaded(system, &state);
+        let coefficients =
+            TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: state.time };
+        let stiffness_of_elements = if system.dofs().attached.is_empty() {
+            0.0
+        } else {
+            newton.assembly.stiffness_of_elements(system, &state.point(system), &coefficients)
+        };
         let mut out = Self {
             system,
             newton,
@@ -149,6 +159,7 @@ impl<'a> Problem<'a> {
             balanced,
             state,
             penalty,
+            stiffness_of_elements,
             softening: 0.0,
             applications: 0,
         };
@@ -269,14 +280,12 @@ impl<'a> Problem<'a> {
 
     /// Size of the round-off in the strain energy of a shape of unit modal mass: elements that are attached to a body move without strain, but for
     /// differences of displacements of the size of the machine precision.
-    pub fn round_off_of_attached(&mut self, shape: &[Nodal]) -> f64 {
-        let stiffness =
-            equilibrium::stiffness_of_attached_elements(self.system, &mut self.newton.assembly, &self.state);
+    pub fn round_off_of_attached(&self, shape: &[Nodal]) -> f64 {
         let kinds = &self.system.coordinates.kinds;
         let attached = self.system.dofs().attached.iter().map(|attached| attached.vector as usize);
         let positions = attached.filter(|v| kinds[*v] == VectorKind::Position);
         let squares: f64 = positions.map(|v| dot(&shape[v..=v], &shape[v..=v])).sum();
-        ROUND_OFF_OF_STRAIN * stiffness * squares
+        ROUND_OFF_OF_STRAIN * self.stiffness_of_elements * squares
     }
 
     /// Factors with the groups' shifts; true if the matrix is positive definite.
