@@ -44,10 +44,8 @@ const ROUNDS: usize = 5;
 const COUPLED: usize = 4;
 /// Places in a gap, as fractions of its width, where eigenvalues are counted until a factorisation succeeds.
 const PLACES: [f64; 4] = [0.5, 0.35, 0.65, 0.2];
-/// Part of the bound of the round-off of the assembled stiffness up to which the strain energy of a motion is round-off.
-const RESOLVED: f64 = 1e-2;
-/// Part of this bound up to which the eigenvalue of the assembled stiffness is round-off where the strain energy is not known, about a loaded state.
-/// The eigenvalues of motions that are free were found below 5e-3 of it.
+/// Part of the bound of the round-off of the assembled stiffness up to which an eigenvalue is round-off where the strain energy is not known, about a
+/// loaded state. The eigenvalues of motions that are free were found below 5e-3 of it.
 const RESOLVED_BY_EIGENVALUE: f64 = 5e-2;
 /// Part of this bound from which on such an eigenvalue may not be round-off alone.
 const DOUBTFUL: f64 = 1e-2;
@@ -375,13 +373,12 @@ fn mode(problem: &mut Problem, lambda: f64, mut pair: RitzPair, observer: &mut d
     problem.newton.assembly.frames.expand(&pair.vector, &mut shape);
     let mut exact = lambda;
     // Joints let parts move against each other without strain.
-    let round_off = problem.round_off(&pair.vector) + problem.round_off_of_attached(&shape);
-    let resolved = if problem.stress_free { 1.0 } else { RESOLVED_BY_EIGENVALUE };
-    let mut free = system.may_be_loose() && lambda.abs() <= resolved * round_off;
+    let round_off = problem.round_off(&pair.vector);
+    let mut free = system.may_be_loose() && lambda.abs() <= RESOLVED_BY_EIGENVALUE * round_off;
     if problem.stress_free {
         // The strain energy gives the Rayleigh quotient without cancellation.
         exact = problem.small_strain_energy(&shape) / system.kinetic_energy(&shape);
-        free &= exact <= RESOLVED * round_off;
+        free = system.may_be_loose() && exact <= problem.round_off_of_strain(&pair.vector, &shape);
         if !free && !((exact - lambda).abs() <= HIDDEN * exact.abs()) {
             return Err(hidden(format!(
                 "a mode of ω² = {exact:.4e} by its strain energy has {lambda:.4e} by the assembled stiffness"
@@ -392,7 +389,7 @@ fn mode(problem: &mut Problem, lambda: f64, mut pair: RitzPair, observer: &mut d
         observer.on_warning(&format!(
             "a motion that joints leave counts as free: its ω² = {lambda:.1e} (rad/time)² about the loaded state may be round-off of the stiffness, \
              which hides springs and loads that give less than {:.1e}",
-            resolved * round_off
+            RESOLVED_BY_EIGENVALUE * round_off
         ));
     }
     if free {

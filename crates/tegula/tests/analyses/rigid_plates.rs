@@ -1,7 +1,7 @@
 //! Plates whose nodes all are attached to one body: the shell has a mass and carries loads, but its stiffness does not take part.
 
 use crate::common::*;
-use crate::multibody::{revolute, torsion_spring};
+use crate::multibody::{revolute, spring, torsion_spring};
 use crate::patches::{fixed, gravity, hub};
 use tegula::analysis::{modal, path};
 use tegula::compile::warnings;
@@ -177,6 +177,51 @@ fn soft_hinges_of_stiff_plates_have_a_frequency_under_loads() {
             modes.modes[0].omega
         );
     }
+}
+
+/// Without loads the strain energy, whose round-off is the square of that of the stiffness, tells slow motions from free ones.
+#[test]
+fn very_soft_hinges_of_stiff_plates_have_a_frequency() {
+    let (mass, thickness) = (78.0, 0.01);
+    for (elements, soft) in [(4, 1e-4), (4, 1e-2), (32, 1e-2)] {
+        let mesh = plate([1.0, 1.0], [elements; 2], 0.0);
+        let analysis = Analysis::Modal(ModalAnalysis::new(2));
+        let mut m = Model::new(mesh, analysis, Isotropic::new(2e11, 0.3, mass / thickness), thickness);
+        m.bodies = vec![hub("arm", [0.0, 0.5, 0.0], &["u_min"])];
+        m.joints = vec![revolute("hinge", "ground", "arm", [0.0, 0.5, 0.0], Y)];
+        m.torsion_springs = vec![torsion_spring(["ground", "arm"], Y, soft)];
+        let (_, system) = compile(&m);
+        let modes = modal::run(&system, 2, None, &mut Notes::default()).unwrap();
+        let exact = (soft / (mass * (1.0 / 3.0 + thickness * thickness / 12.0))).sqrt();
+        assert!(
+            !modes.modes[0].rigid && (modes.modes[0].omega / exact - 1.0).abs() < 1e-4,
+            "{elements} {soft}"
+        );
+        m.torsion_springs.clear();
+        let (_, system) = compile(&m);
+        let free = modal::run(&system, 2, None, &mut Notes::default()).unwrap();
+        assert!(free.modes[0].rigid && free.modes[0].omega == 0.0, "{elements}");
+        assert!((free.modes[1].omega / modes.modes[1].omega - 1.0).abs() < 1e-6);
+    }
+}
+
+/// A mass at the end of a spring swings freely across it, next to the modes of a stiff plate to which it is attached.
+#[test]
+fn a_mass_on_a_spring_at_a_clamped_plate_swings_freely() {
+    let mut mesh = plate([1.0, 1.0], [4, 4], 0.0);
+    let MeshSource::Plate(of_plate) = &mut mesh else { unreachable!("a plate") };
+    of_plate.grid.points.insert("tie".into(), [1.0, 0.5, 0.0]);
+    let mut m =
+        Model::new(mesh, Analysis::Modal(ModalAnalysis::new(4)), Isotropic::new(2e11, 0.3, 7800.0), 0.01);
+    m.conditions = vec![Condition::Clamp(on("u_min"))];
+    m.bodies = vec![RigidBody::new("mass", [1.0, 0.5, 1.0], 1.0, None)];
+    m.springs = vec![spring("spring", ["mass", "tie"], [[1.0, 0.5, 1.0], [1.0, 0.5, 0.0]], 1.0)];
+    let (_, system) = compile(&m);
+    let modes = modal::run(&system, 4, None, &mut Notes::default()).unwrap().modes;
+    assert!(modes[..2].iter().all(|mode| mode.rigid && mode.omega == 0.0));
+    // The plate is a thousand times as stiff as the spring.
+    assert!(!modes[2].rigid && (modes[2].omega - 1.0).abs() < 1e-3, "{}", modes[2].omega);
+    assert!(!modes[3].rigid && modes[3].omega > 10.0);
 }
 
 /// A moment on a body without mass of its own leaves explicit steps their critical step, which springs set: the plate swings as

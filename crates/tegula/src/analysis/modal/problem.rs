@@ -11,6 +11,7 @@ use crate::analysis::{Observer, State, equilibrium};
 use crate::constraint::{BushingGroup, SpringGroup, TorsionSpringGroup};
 use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest, TangentWeights};
 use crate::model::NewtonMethod;
+use crate::norm::larger;
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{EvaluationPoint, System, VectorKind, dot};
 use crate::{Error, Result, Vec3};
@@ -25,6 +26,11 @@ const FIRST_SHIFT: f64 = 1e-10;
 const ROUND_OFF: f64 = 1e-12;
 /// Bound of the round-off in the strain energy of rigid motions: squares of the machine precision, with the margin of [`ROUND_OFF`].
 const ROUND_OFF_OF_STRAIN: f64 = 1e6 * f64::EPSILON * f64::EPSILON;
+/// Strain energy over the shift that stiffer modes add to a vector of the shift-inverted iteration: its eigenvalues are known to the machine
+/// precision of the shift, and its vectors contain stiffer ones by the square root of less.
+const ROUND_OFF_OF_SHIFT: f64 = 1e-4 * f64::EPSILON;
+/// Bound of the round-off in the energy of springs, relative to the terms of its sum.
+const ROUND_OFF_OF_SPRINGS: f64 = 64.0 * f64::EPSILON;
 /// Number of times that the first shift is multiplied by 100 before the matrix counts as indefinite.
 const ATTEMPTS: usize = 12;
 
@@ -278,14 +284,26 @@ impl<'a> Problem<'a> {
         ROUND_OFF * product.iter().zip(&sizes).map(|(k, x)| k * x).sum::<f64>()
     }
 
-    /// Size of the round-off in the strain energy of a shape of unit modal mass: elements that are attached to a body move without strain, but for
-    /// differences of displacements of the size of the machine precision.
-    pub fn round_off_of_attached(&self, shape: &[Nodal]) -> f64 {
+    /// Bound of the round-off in the strain energy of a motion over its modal mass: strains are differences of displacements that are known to
+    /// the machine precision, and enter squared; the energy of springs by their tangent is a sum that cancels. The vector itself is found by
+    /// shift-inverted iteration.
+    pub fn round_off_of_strain(&self, x: &[f64], shape: &[Nodal]) -> f64 {
         let kinds = &self.system.coordinates.kinds;
         let attached = self.system.dofs().attached.iter().map(|attached| attached.vector as usize);
         let positions = attached.filter(|v| kinds[*v] == VectorKind::Position);
         let squares: f64 = positions.map(|v| dot(&shape[v..=v], &shape[v..=v])).sum();
-        ROUND_OFF_OF_STRAIN * self.stiffness_of_elements * squares
+        let shift = self.groups.iter().map(|group| group.shift.abs()).fold(0.0, larger);
+        let strains = self.round_off(x) / ROUND_OFF + self.stiffness_of_elements * squares;
+        let factors: Vec<f64> = self.system.factors(self.state.time).collect();
+        let state = self.state.point(self.system);
+        let springs =
+            self.system.numbered_groups().filter(|(_, group, _)| OF_SPRINGS.contains(&group.name()));
+        let of_springs: f64 = springs
+            .map(|(g, group, _)| {
+                sum_of_terms(group, &state.of_group(self.system, g, &factors), shape, f64::abs)
+            })
+            .sum();
+        ROUND_OFF_OF_STRAIN * strains + ROUND_OFF_OF_SPRINGS * 2.0 * of_springs + ROUND_OFF_OF_SHIFT * shift
     }
 
     /// Factors with the groups' shifts; true if the matrix is positive definite.
@@ -365,6 +383,16 @@ fn is_preloaded(system: &System, state: &State) -> bool {
 
 /// Energy ½ φ·K φ of a group by its tangent K.
 pub(super) fn tangent_energy(group: &dyn ElementGroup, k: &GroupPoint, shape: &[Nodal]) -> f64 {
+    sum_of_terms(group, k, shape, |x| x)
+}
+
+/// Sum of the terms of ½ φ·K φ, of whose factors `part` is taken: all of them, or their absolute values.
+fn sum_of_terms(
+    group: &dyn ElementGroup,
+    k: &GroupPoint,
+    shape: &[Nodal],
+    part: impl Fn(f64) -> f64 + Copy,
+) -> f64 {
     let n = group.vectors_per_element();
     let size = 9 * n * (n + 1) / 2;
     let (mut forces, mut blocks) = (vec![0.0; 3 * n * group.len()], vec![0.0; size * group.len()]);
@@ -375,9 +403,10 @@ pub(super) fn tangent_energy(group: &dyn ElementGroup, k: &GroupPoint, shape: &[
         blocks: &mut blocks,
     };
     group.evaluate(k, 0, &mut forces, Some(request));
+    blocks.iter_mut().for_each(|x| *x = part(*x));
     let of_element = |(element, blocks): (usize, &[f64])| {
         let vectors = group.vectors(element);
-        let value = |a: usize| Vec3::from(shape[vectors[a] as usize]);
+        let value = |a: usize| Vec3::from(shape[vectors[a] as usize]).map(part);
         let forces = forces_of(blocks, value, n);
         forces.iter().enumerate().map(|(a, f)| 0.5 * f.dot(&value(a))).sum::<f64>()
     };
