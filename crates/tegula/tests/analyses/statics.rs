@@ -8,12 +8,15 @@ use crate::common::{
     Notes, compile, cylinder, displacement, model, on, plate, quarter_cylinder, side_by_side, solve,
     static_options, vector_load,
 };
+use crate::multibody::spring;
+use crate::patches::{clamped, hub, strip};
 use tegula::analysis::statics::{self, StaticOutcome};
 use tegula::analysis::{Silent, State};
 use tegula::compile::build;
 use tegula::mesh::generators::generate;
 use tegula::model::*;
 use tegula::norm::max_norm;
+use tegula::result::reactions::ReactionFinder;
 use tegula::system::VectorKind;
 use tegula::{Error, Mesh, Vec3};
 
@@ -442,4 +445,32 @@ fn a_tiny_part_beside_a_large_one_is_no_mechanism() {
     m.conditions = ["u_min0", "u_min_v_min1"].map(|set| Condition::Spherical(on(set))).into();
     let error = build(&m, &mesh).err().unwrap().to_string();
     assert!(error.contains("the model is under-constrained"), "{error}");
+}
+
+/// A spring that is so stiff that the round-off of its length is a force that compares with the load: an equilibrium that is
+/// reported carries the load.
+#[test]
+fn springs_too_stiff_for_the_round_off_of_places_are_refused() {
+    let mut refused = 0;
+    for power in [3, 6, 9, 12, 13, 14, 15, 16] {
+        let mut m = strip(ElementKind::Ems, [10, 1], 0.0);
+        let end = [1.0, 0.1, 0.0];
+        m.bodies = vec![hub("end", end, &["u_max"])];
+        m.springs = vec![spring("prop", ["ground", "end"], [[1.0, 0.1, 1.0], end], 10_f64.powi(power))];
+        m.conditions = vec![clamped("u_min")];
+        m.loads = vec![Load::Force(vector_load("end", [0.0, 0.0, 1e-2]))];
+        let (_, system) = compile(&m);
+        match statics::run(&system, &static_options(&m), None, &mut Silent) {
+            Ok(outcome) => {
+                let forces = ReactionFinder::new(&system, None).find(&system, None, &outcome.state);
+                assert!(forces.force_error < 1e-3, "{power}: {}", forces.force_error);
+            }
+            Err(error) => {
+                assert!(error.to_string().contains("is too stiff for these loads"), "{power}: {error}");
+                assert!(power > 12, "{power}: {error}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(refused > 0);
 }

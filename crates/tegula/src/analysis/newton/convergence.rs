@@ -5,7 +5,7 @@ use super::{Cause, Converged, Equation, Newton, ROUND_OFF, Tolerances, largest};
 use crate::analysis::Observer;
 use crate::analysis::lagged_tangent::{self, Increment};
 use crate::analysis::solver::TangentSolver;
-use crate::norm::larger;
+use crate::norm::{larger, max_norm};
 use crate::system::System;
 
 /// Value of a constraint over its size, to which iterations go on, and above which a joint counts as open where they cannot.
@@ -17,6 +17,8 @@ const STALLED: f64 = 1e-16;
 
 /// Increment over the size of the model that is round-off of places.
 const PLACES: f64 = 1e-14;
+/// Out-of-balance force over the loads, above which an equilibrium found to the round-off of places alone is refused.
+const UNBALANCED: f64 = 1e-3;
 /// Iterations after which bodies whose places change by round-off alone are held.
 const HELD: u32 = 5;
 
@@ -78,6 +80,9 @@ impl<S: TangentSolver> Newton<S> {
         // Bodies that loads and joints hold where they are: the increments are round-off, and there is no energy to compare with.
         let held = self.constraints.is_some() && setting.number > HELD && norm <= places && scale <= places;
         if converged || held || (energy == 0.0 && norm == 0.0) {
+            if held && !converged {
+                self.refuse_unbalanced(system, equation)?;
+            }
             // Constraints are as exact as the increment that follows; a dependent one may still be open.
             let rests = energy == 0.0 && norm == 0.0;
             let violation = self.violation(system, equation);
@@ -94,7 +99,7 @@ impl<S: TangentSolver> Newton<S> {
             }
             return Ok(None);
         }
-        let floor = self.at_round_off(system, relative, (norm, scale), !in_time)?;
+        let floor = self.at_round_off(system, equation, relative, (norm, scale), !in_time)?;
         if floor && let Some(open) = self.open_joint(system, equation) {
             return Err((Cause::Constraints, open));
         }
@@ -125,6 +130,7 @@ impl<S: TangentSolver> Newton<S> {
     fn at_round_off(
         &self,
         system: &System,
+        equation: &dyn Equation,
         relative: f64,
         (norm, scale): (f64, f64),
         is_static: bool,
@@ -133,8 +139,11 @@ impl<S: TangentSolver> Newton<S> {
         // Near a rigid motion there is next to no energy to compare with: increments at round-off suffice then.
         // Increments whose energy is round-off beside that of self-equilibrated stresses suffice, too: there
         // the displacement itself vanishes.
-        let rounding =
-            norm <= 1e-10 * scale || relative <= ROUND_OFF || norm <= larger(PLACES, self.round_off);
+        let resolved = norm <= 1e-10 * scale || relative <= ROUND_OFF;
+        let rounding = resolved || norm <= larger(PLACES, self.round_off);
+        if is_static && rounding && !resolved {
+            self.refuse_unbalanced(system, equation)?;
+        }
         // Bodies in motion converge linearly, in long steps slowly: increments that decrease little are no round-off there.
         let exact = self.constraints.is_none() && (is_static || system.dofs().triads.is_empty());
         if rounding || (exact && relative <= 1e-9 && norm <= 1e-5 * scale) {
@@ -150,5 +159,30 @@ impl<S: TangentSolver> Newton<S> {
             return Err((Cause::Stagnation, format!("the iteration stagnates ({energy}); {place}")));
         }
         Ok(false)
+    }
+
+    /// Refuses a static equilibrium whose displacements vanish beside the round-off of places, where that round-off times the stiffness
+    /// (a spring that is far stiffer than the structure) is an out-of-balance force that compares with the loads.
+    ///
+    /// # Errors
+    /// Forces are out of balance by more than 1e-3 of the loads.
+    fn refuse_unbalanced(&self, system: &System, equation: &dyn Equation) -> Result<(), Failed> {
+        let mut loads = vec![[0.0; 3]; self.residual.len()];
+        equation.external_minus_inertia(system, &mut loads);
+        let mut reduced = vec![0.0; self.right_side.len()];
+        self.frames.reduce(&loads, &mut reduced);
+        let [left, loads] = [&self.right_side, &reduced].map(|forces| max_norm(forces.iter().copied()));
+        if loads == 0.0 || left <= UNBALANCED * loads {
+            return Ok(());
+        }
+        let place = largest(system, &self.assembly.frames, &self.residual);
+        Err((
+            Cause::Stagnation,
+            format!(
+                "the displacements vanish beside the round-off of places, which times the stiffness leaves {left:.1e} out of \
+                 balance where the loads are {loads:.1e} ({place}): a spring or a part is too stiff for these loads; a support \
+                 or a joint in its place holds exactly"
+            ),
+        ))
     }
 }
