@@ -1,11 +1,12 @@
 //! `history.csv`: one row per step.
 
-use tegula::System;
-use tegula::analysis::Step;
-use tegula::result::{Equilibrium, Probe, sensor_columns, sensor_values};
+use tegula::analysis::{State, Step};
+use tegula::model::Analysis;
+use tegula::result::{Equilibrium, Probe, ReactionFinder, sensor_columns, sensor_values};
 use tegula::system::Procedure;
+use tegula::{Model, System};
 
-use super::{bodies, forces};
+use super::{Prepared, bodies, forces};
 
 /// Columns per recorded point.
 pub(super) const PER_POINT: usize = 6;
@@ -30,6 +31,49 @@ pub(super) const BEHIND: [&str; 14] = [
 /// Columns of a path: its parameter, and the negative eigenvalues of the tangent.
 pub(super) const PATH: [&str; 2] = ["path.position", "path.negative_eigenvalues"];
 
+/// Rows of the history of a run: motion of the points and bodies, energies, momenta, forces, sensors.
+pub struct HistoryRows {
+    columns: Vec<String>,
+    finder: ReactionFinder,
+}
+
+impl HistoryRows {
+    /// Rows of an analysis of a prepared model.
+    pub fn new(model: &Model, prepared: &Prepared) -> Self {
+        let scheme = match &model.analysis {
+            Analysis::Transient(analysis) => Some(analysis.scheme),
+            Analysis::Static(_) | Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => None,
+        };
+        Self {
+            columns: columns(&prepared.system, &prepared.probes),
+            finder: ReactionFinder::new(&prepared.system, scheme),
+        }
+    }
+
+    /// Names of the columns.
+    pub fn columns(&self) -> &[String] {
+        &self.columns
+    }
+
+    /// Reactions, loads and inertia of a state by itself.
+    pub(super) fn forces_at(&mut self, system: &System, state: &State) -> Equilibrium {
+        self.finder.find(system, None, state)
+    }
+
+    /// Row of a step behind a state, which is empty before the first one; the forces in the step, and its length.
+    pub fn row(&mut self, prepared: &Prepared, before: &State, step: &Step) -> (Vec<f64>, Equilibrium, f64) {
+        let Prepared { system, probes, .. } = prepared;
+        let step_size = match before.u.is_empty() {
+            true => 0.0,
+            // Not every step is reported.
+            false if system.procedure == Procedure::Explicit => step.state.last_step,
+            false => step.state.time - before.time,
+        };
+        let forces = self.finder.find(system, Some(before), step.state);
+        (whole_row((system, probes), step, step_size, &forces), forces, step_size)
+    }
+}
+
 /// Names of all columns of a run.
 pub(super) fn columns(system: &System, probes: &[Probe]) -> Vec<String> {
     let parts = [
@@ -53,7 +97,7 @@ pub(super) fn names(probes: &[Probe]) -> Vec<String> {
 }
 
 /// Row of a step, with the forces in it.
-pub(super) fn whole_row(
+fn whole_row(
     (system, probes): (&System, &[Probe]),
     step: &Step,
     step_size: f64,

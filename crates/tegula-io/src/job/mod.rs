@@ -55,6 +55,7 @@ use crate::out::OutputError;
 pub use assembly::{AssemblyResult, GapResult, MotionResult};
 pub use folder::{Claim, ResultFolder};
 pub use forces::{AccelerationResult, BalanceResult, ForceResult};
+pub use history::HistoryRows;
 pub use prepare::{Prepared, prepare};
 pub use run::run;
 pub use summary::{

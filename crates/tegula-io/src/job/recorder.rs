@@ -3,17 +3,18 @@
 use std::time::Instant;
 
 use tegula::analysis::{Balance, Observer, State, Statistics, Step};
-use tegula::model::{Analysis, Model, Scheme};
-use tegula::result::{Equilibrium, ReactionFinder, ShellResult, plastic_strains, recover};
-use tegula::system::{Procedure, Shell};
+use tegula::model::Model;
+use tegula::result::{Equilibrium, ShellResult, plastic_strains, recover};
+use tegula::system::Shell;
 use tegula::{Error, Result, System};
 
+use super::history::HistoryRows;
 use super::resume::{CheckpointData, RunCounters};
 use super::series::{FieldSeries, STATES};
 use super::summary::{PointResult, Status, Summary};
 use super::{
-    JobObserver, Prepared, Progress, ResultFolder, Start, critical_modes, fields, forces, frames, history,
-    process, snapshots,
+    JobObserver, Prepared, Progress, ResultFolder, Start, critical_modes, fields, forces, frames, process,
+    snapshots,
 };
 use crate::deck::Diagnostic;
 use crate::out::{HistoryWriter, OutputError};
@@ -35,10 +36,8 @@ pub(super) struct Recorder<'a> {
     pub memory: CheckpointData,
     watch: &'a mut dyn JobObserver,
     history: HistoryWriter,
-    /// Names of the columns of the history.
-    columns: Vec<String>,
     series: FieldSeries,
-    finder: ReactionFinder,
+    rows: HistoryRows,
     /// Reactions, loads and inertia of the last step.
     forces: Option<Equilibrium>,
     statistics: Statistics,
@@ -66,9 +65,12 @@ impl<'a> Recorder<'a> {
         summary.write(folder.path())?;
         let csv = folder.file("history.csv");
         let mut missing = 0;
-        let columns = history::columns(&prepared.system, &prepared.probes);
+        let rows = HistoryRows::new(model, prepared);
         let (history, series) = match &memory {
-            None => (HistoryWriter::create(&csv, &columns)?, FieldSeries::create(&folder, prepared, STATES)?),
+            None => (
+                HistoryWriter::create(&csv, rows.columns())?,
+                FieldSeries::create(&folder, prepared, STATES)?,
+            ),
             Some(memory) => {
                 let written = (memory.notes.frames, memory.notes.last_frame);
                 let (series, lost) = FieldSeries::resume(&folder, prepared, STATES, written)?;
@@ -87,9 +89,8 @@ impl<'a> Recorder<'a> {
             memory: memory.unwrap_or_default(),
             watch,
             history,
-            columns,
             series,
-            finder: ReactionFinder::new(&prepared.system, scheme(model)),
+            rows,
             forces,
             statistics: Statistics::default(),
             started: Instant::now(),
@@ -165,7 +166,7 @@ impl<'a> Recorder<'a> {
         if any {
             self.keep_last();
             if self.forces.is_none() {
-                self.forces = Some(self.finder.find(&self.prepared.system, None, &self.memory.state));
+                self.forces = Some(self.rows.forces_at(&self.prepared.system, &self.memory.state));
             }
         }
         // A run that restarts from here writes the last field file again only when it is due.
@@ -253,15 +254,7 @@ impl<'a> Recorder<'a> {
 
     /// Row of a step behind the last recorded one, its forces and its length.
     fn row(&mut self, step: &Step) -> (Vec<f64>, Equilibrium, f64) {
-        let Prepared { system, probes, .. } = self.prepared;
-        let step_size = match self.memory.state.u.is_empty() {
-            true => 0.0,
-            // Not every step is reported.
-            false if system.procedure == Procedure::Explicit => step.state.last_step,
-            false => step.state.time - self.memory.state.time,
-        };
-        let forces = self.finder.find(system, Some(&self.memory.state), step.state);
-        (history::whole_row((system, probes), step, step_size, &forces), forces, step_size)
+        self.rows.row(self.prepared, &self.memory.state, step)
     }
 
     fn record(&mut self, step: &Step) -> std::result::Result<(), OutputError> {
@@ -326,7 +319,7 @@ impl<'a> Recorder<'a> {
         let forces = match &self.forces {
             Some(forces) => forces,
             None => {
-                found = self.finder.find(system, None, state);
+                found = self.rows.forces_at(system, state);
                 &found
             }
         };
@@ -380,14 +373,6 @@ impl<'a> Recorder<'a> {
     }
 }
 
-/// Scheme of time integration, where there is one.
-fn scheme(model: &Model) -> Option<Scheme> {
-    match &model.analysis {
-        Analysis::Transient(t) => Some(t.scheme),
-        Analysis::Static(_) | Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => None,
-    }
-}
-
 /// Largest strain and its quad among the shells whose material is for small strains: root mean square over the
 /// thickness, from the energy per area w = Z ε²/2 with the stiffness Z = E h of stretching, or the plastic strain,
 /// which stores no energy.
@@ -437,7 +422,7 @@ impl Observer for Recorder<'_> {
     }
 
     fn column(&mut self, name: &str, step: &Step) -> Option<f64> {
-        let number = self.columns.iter().position(|column| column == name)?;
+        let number = self.rows.columns().iter().position(|column| column == name)?;
         self.row(step).0.get(number).copied()
     }
 

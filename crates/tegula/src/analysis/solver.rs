@@ -31,7 +31,7 @@ pub struct Linearization<'a> {
 }
 
 /// Linear solver of Newton's method.
-pub trait TangentSolver {
+pub trait TangentSolver: Send {
     /// Begins a step.
     fn begin_step(&mut self) {}
     /// Sets the energy scale, to which increments are compared.

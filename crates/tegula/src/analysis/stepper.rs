@@ -10,7 +10,7 @@ use crate::{Error, Result};
 /// [`run`] takes steps until the end. Callers that want to do something between steps, such as a controller that sets a
 /// load from the state, call [`begin`](Self::begin) once and then [`advance`](Self::advance) themselves; they decide themselves
 /// when to stop, as stop conditions are those of [`run`].
-pub trait Stepper {
+pub trait Stepper: Send {
     /// Last state reached, with its energies and the run counters.
     fn reached(&self) -> Reached<'_>;
     /// Last state reached.

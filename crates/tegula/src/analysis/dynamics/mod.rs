@@ -48,7 +48,7 @@ use time_steps::TimeSteps;
 /// Time integration scheme: the equation of a step, its error estimate and its energy account.
 ///
 /// To add a scheme, write a file of [`schemes`] and a line in the registry in `crates/tegula/src/model/scheme.rs`.
-pub trait Integrator: Equation {
+pub trait Integrator: Equation + Send {
     /// Starts a step from a state, with a prediction of its end.
     fn begin(&mut self, system: &System, assembly: &mut Assembly, state: &State, span: Span);
     /// Displacements at the present iterate of the end of the step.

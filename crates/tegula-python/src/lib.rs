@@ -1,0 +1,19 @@
+//! Compiled part of the Python package `tegula`. Its public part, with documentation and types, is in `python/tegula`.
+
+mod convert;
+mod failure;
+mod model;
+mod simulation;
+mod watch;
+
+#[pyo3::pymodule]
+mod _tegula {
+    #[pymodule_export]
+    use super::model::Deck;
+    #[pymodule_export]
+    use super::simulation::Steps;
+
+    /// Version of the package.
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+}

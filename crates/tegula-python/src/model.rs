@@ -1,0 +1,92 @@
+//! Models: read, checked, run.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use tegula_io::deck;
+use tegula_io::job::{self, JobOptions};
+
+use crate::simulation::Steps;
+use crate::watch::Watch;
+use crate::{convert, failure};
+
+/// A model that has been read.
+#[pyclass(frozen, module = "tegula._tegula")]
+pub struct Deck(deck::Deck);
+
+#[pymethods]
+impl Deck {
+    /// Reads a model file.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        py.detach(|| deck::Deck::read(path)).map(Self).map_err(failure::of_model)
+    }
+
+    /// Reads a text; files that it names lie beside `path`.
+    #[staticmethod]
+    fn parse(py: Python<'_>, path: PathBuf, text: String) -> PyResult<Self> {
+        py.detach(|| deck::Deck::parse(path, text)).map(Self).map_err(failure::of_model)
+    }
+
+    /// Text of a model file with the contents of a dictionary.
+    #[staticmethod]
+    fn text_of(model: &Bound<'_, PyDict>) -> PyResult<String> {
+        toml::to_string(&convert::table(model)?)
+            .map_err(|error| pyo3::exceptions::PyValueError::new_err(error.to_string()))
+    }
+
+    /// Contents of the text as a dictionary.
+    fn as_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let table = self.0.text.parse::<toml::Table>();
+        let table = table.map_err(|error| pyo3::exceptions::PyValueError::new_err(error.to_string()))?;
+        convert::dictionary(py, &table)
+    }
+
+    /// Title of the model.
+    #[getter]
+    fn title(&self) -> &str {
+        &self.0.model.title
+    }
+
+    /// Text of the model file.
+    #[getter]
+    fn text(&self) -> &str {
+        &self.0.text
+    }
+
+    /// Path of the model file.
+    #[getter]
+    fn path(&self) -> &std::path::Path {
+        &self.0.path
+    }
+
+    /// Warnings about a model that can be computed.
+    fn check(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        let prepared = py.detach(|| job::prepare(&self.0)).map_err(failure::of_run)?;
+        Ok(prepared.warnings.iter().map(ToString::to_string).collect())
+    }
+
+    /// Runs the model; the results are in the folder.
+    fn run(
+        &self,
+        py: Python<'_>,
+        folder: PathBuf,
+        resume: bool,
+        force: bool,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<()> {
+        let options = JobOptions { folder, resume, force };
+        let mut watch = Watch::new(progress);
+        let outcome = py.detach(|| job::run(&self.0, &options, &mut watch));
+        match (outcome, watch.raised()) {
+            (_, Some(raised)) => Err(raised),
+            (outcome, None) => outcome.map(|_| ()).map_err(failure::of_run),
+        }
+    }
+
+    /// The analysis of the model, step by step. The amplitudes named become signals.
+    fn steps(&self, py: Python<'_>, signals: Vec<String>) -> PyResult<Steps> {
+        py.detach(|| Steps::new(&self.0, &signals))
+    }
+}

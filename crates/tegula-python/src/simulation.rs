@@ -1,0 +1,274 @@
+//! Analyses that Python advances step by step.
+
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard};
+
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use pyo3::exceptions::{PyKeyError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
+use self_cell::self_cell;
+use tegula::analysis::{Silent, State, Stepper, dynamics, path, statics};
+use tegula::element::Nodal;
+use tegula::load::Signal;
+use tegula::model::Analysis;
+use tegula_io::deck::Deck;
+use tegula_io::job::{self, HistoryRows, Prepared};
+
+use crate::failure;
+
+type Borrowed<'a> = Box<dyn Stepper + 'a>;
+
+self_cell!(
+    /// A prepared model and the analysis that refers to it.
+    struct Running {
+        owner: Prepared,
+        #[not_covariant]
+        dependent: Borrowed,
+    }
+);
+
+/// An analysis with what it records.
+struct Analysed {
+    running: Running,
+    rows: HistoryRows,
+    /// State before the last step, which is empty before the first one.
+    before: State,
+    /// Iterations of the last step.
+    iterations: u32,
+}
+
+/// The analysis of a model, step by step.
+#[pyclass(frozen, module = "tegula._tegula")]
+pub struct Steps {
+    analysed: Mutex<Analysed>,
+    signals: BTreeMap<String, Signal>,
+    columns: Vec<String>,
+}
+
+impl Steps {
+    /// Begins the analysis of a model, with signals in place of the amplitudes named.
+    ///
+    /// # Errors
+    /// The model is wrong, its analysis has no steps or several parts, or it has no such amplitude.
+    pub fn new(deck: &Deck, signals: &[String]) -> PyResult<Self> {
+        let mut prepared = job::prepare(deck).map_err(failure::of_run)?;
+        if !prepared.model.steps.is_empty() {
+            return Err(PyValueError::new_err(
+                "a model with `[[steps]]` is run as a whole: use run(), or give it an `[analysis]` of its own",
+            ));
+        }
+        let mut given = BTreeMap::new();
+        for name in signals {
+            let signal = prepared.system.signal(name).ok_or_else(|| {
+                PyKeyError::new_err(format!(
+                    "the model has no amplitude \"{name}\" that a load or motion follows"
+                ))
+            })?;
+            given.insert(name.clone(), signal);
+        }
+        let rows = HistoryRows::new(&prepared.model, &prepared);
+        let columns = rows.columns().to_vec();
+        let running = Running::try_new(prepared, begun)?;
+        let analysed = Analysed { running, rows, before: State::default(), iterations: 0 };
+        Ok(Self { analysed: Mutex::new(analysed), signals: given, columns })
+    }
+
+    fn lock(&self, py: Python<'_>) -> MutexGuard<'_, Analysed> {
+        // A thread that waits must not hold the interpreter, which the other one needs.
+        self.analysed.lock_py_attached(py).unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+
+    /// Reads the present state.
+    fn read<T>(&self, py: Python<'_>, read: impl FnOnce(&Prepared, &dyn Stepper) -> T) -> T {
+        self.lock(py).running.with_dependent(|prepared, stepper| read(prepared, stepper.as_ref()))
+    }
+}
+
+/// The analysis of a prepared model at its start.
+fn begun(prepared: &Prepared) -> PyResult<Borrowed<'_>> {
+    let system = &prepared.system;
+    let stepper = match &prepared.model.analysis {
+        Analysis::Static(options) => statics::steps(system, options, None),
+        Analysis::Path(options) => path::steps(system, options, None).map(|(stepper, _)| stepper),
+        Analysis::Transient(options) => dynamics::steps(system, options, None),
+        Analysis::Modal(_) | Analysis::Buckling(_) => {
+            return Err(PyValueError::new_err("modal and buckling analyses have no steps: use run()"));
+        }
+    };
+    let mut stepper = stepper.map_err(|error| failure::of_analysis(&error, None))?;
+    stepper.begin(&mut Silent).map_err(|error| failure::of_analysis(&error, None))?;
+    Ok(stepper)
+}
+
+impl Analysed {
+    fn advance(&mut self) -> PyResult<()> {
+        let Self { running, before, iterations, .. } = self;
+        running.with_dependent_mut(|_, stepper| {
+            if stepper.is_finished() {
+                return Err(PyValueError::new_err("the analysis has come to its end"));
+            }
+            before.clone_from(stepper.state());
+            *iterations = stepper.advance(&mut Silent).map_err(|error| failure::of_analysis(&error, None))?;
+            Ok(())
+        })
+    }
+
+    fn row(&mut self) -> Vec<f64> {
+        let Self { running, rows, before, iterations } = self;
+        running.with_dependent(|prepared, stepper| {
+            let step = stepper.reached().step(*iterations);
+            rows.row(prepared, before, &step).0
+        })
+    }
+}
+
+/// A row for each node of the mesh, from its nodal vector; NaN where a node has no element.
+fn of_nodes<'py>(py: Python<'py>, values: Vec<Nodal>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let nodes = values.len();
+    values.into_flattened().into_pyarray(py).reshape([nodes, 3])
+}
+
+fn by_node(vectors: &[u32], value: impl Fn(usize) -> Option<Nodal>) -> Vec<Nodal> {
+    vectors.iter().map(|&v| value(v as usize).unwrap_or([f64::NAN; 3])).collect()
+}
+
+fn sum(a: Option<&Nodal>, b: Option<&Nodal>) -> Option<Nodal> {
+    let (a, b) = (a?, b?);
+    Some(std::array::from_fn(|i| a[i] + b[i]))
+}
+
+#[pymethods]
+impl Steps {
+    /// Takes steps; returns the iterations of the last one.
+    fn advance(&self, py: Python<'_>, steps: usize) -> PyResult<u32> {
+        for _ in 0..steps {
+            let mut guard = self.lock(py);
+            let analysed = &mut *guard;
+            py.detach(|| analysed.advance())?;
+            drop(guard);
+            py.check_signals()?;
+        }
+        Ok(self.lock(py).iterations)
+    }
+
+    /// Sets the value of a signal for the steps to come.
+    fn set_signal(&self, name: &str, value: f64) -> PyResult<()> {
+        self.signal(name)?.set(value);
+        Ok(())
+    }
+
+    /// Present value of a signal.
+    fn signal_value(&self, name: &str) -> PyResult<f64> {
+        Ok(self.signal(name)?.value())
+    }
+
+    /// Names of the signals.
+    fn signals(&self) -> Vec<String> {
+        self.signals.keys().cloned().collect()
+    }
+
+    /// Names of the columns of a row.
+    fn columns(&self) -> Vec<String> {
+        self.columns.clone()
+    }
+
+    /// Row of the history for the last step.
+    fn row<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let mut guard = self.lock(py);
+        let analysed = &mut *guard;
+        py.detach(|| analysed.row()).into_pyarray(py)
+    }
+
+    /// Time (load factor), and that at which the analysis ends.
+    fn time(&self, py: Python<'_>) -> (f64, f64) {
+        self.read(py, |_, stepper| (stepper.state().time, stepper.end()))
+    }
+
+    /// Whether the analysis has come to its end.
+    fn finished(&self, py: Python<'_>) -> bool {
+        self.read(py, |_, stepper| stepper.is_finished())
+    }
+
+    /// Kinetic, strain and potential energy, work, dissipation and their total.
+    fn energies(&self, py: Python<'_>) -> [f64; 6] {
+        self.read(py, |_, stepper| {
+            let b = stepper.balance();
+            [b.kinetic, b.strain, b.potential, b.work, b.dissipated, b.total]
+        })
+    }
+
+    /// Steps, iterations, factorisations, cut-backs.
+    fn statistics(&self, py: Python<'_>) -> [u64; 4] {
+        self.read(py, |_, stepper| {
+            let s = stepper.reached().statistics;
+            [s.steps, s.iterations, s.factorizations, s.cutbacks]
+        })
+    }
+
+    /// Nodes of a set of the mesh.
+    fn nodes_on<'py>(&self, py: Python<'py>, set: &str) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        let nodes = self.read(py, |prepared, _| prepared.mesh.nodes_on(set).map(|nodes| nodes.to_vec()));
+        let nodes = nodes.ok_or_else(|| PyKeyError::new_err(format!("the mesh has no set \"{set}\"")))?;
+        Ok(nodes.into_pyarray(py))
+    }
+
+    /// Displacements of the nodes.
+    fn displacements<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let values = self.read(py, |prepared, stepper| {
+            let u = &stepper.state().u;
+            by_node(&prepared.system.coordinates.position_of, |v| u.get(v).copied())
+        });
+        of_nodes(py, values)
+    }
+
+    /// Positions of the nodes.
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let values = self.read(py, |prepared, stepper| {
+            let (at, u) = (&prepared.system.coordinates, &stepper.state().u);
+            by_node(&at.position_of, |v| sum(at.reference.get(v), u.get(v)))
+        });
+        of_nodes(py, values)
+    }
+
+    /// Directors of the nodes.
+    fn directors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let values = self.read(py, |prepared, stepper| {
+            let (at, u) = (&prepared.system.coordinates, &stepper.state().u);
+            by_node(&at.director_of, |v| sum(at.reference.get(v), u.get(v)))
+        });
+        of_nodes(py, values)
+    }
+
+    /// Velocities of the nodes; zero in statics.
+    fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let values = self.read(py, |prepared, stepper| {
+            let (at, state) = (&prepared.system.coordinates, stepper.state());
+            let of = |v: usize| {
+                if state.v.is_empty() { state.u.get(v).map(|_| [0.0; 3]) } else { state.v.get(v).copied() }
+            };
+            by_node(&at.position_of, of)
+        });
+        of_nodes(py, values)
+    }
+
+    /// Quadrilaterals of the mesh, by the numbers of their nodes.
+    fn quads<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        let quads = self.read(py, |prepared, _| prepared.mesh.quads.clone());
+        let number = quads.len();
+        quads.into_flattened().into_pyarray(py).reshape([number, 4])
+    }
+}
+
+impl Steps {
+    fn signal(&self, name: &str) -> PyResult<&Signal> {
+        let unknown = || {
+            let given: Vec<_> = self.signals.keys().map(String::as_str).collect();
+            PyKeyError::new_err(format!(
+                "\"{name}\" is no signal of this simulation; it has: {}",
+                given.join(", ")
+            ))
+        };
+        self.signals.get(name).ok_or_else(unknown)
+    }
+}

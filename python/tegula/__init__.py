@@ -1,0 +1,45 @@
+"""Flexible multibody dynamics with thin and moderately thick shells.
+
+A model is a model file, its text, or a dictionary with the same keys:
+
+>>> import tegula
+>>> model = tegula.Model({
+...     "analysis": {"type": "static"},
+...     "mesh": {"type": "plate", "size": [10.0, 1.0], "grid": {"elements": [20, 2]}},
+...     "materials": {"steel": {"type": "isotropic", "young": 2.1e11, "poisson": 0.0}},
+...     "sections": [{"material": "steel", "thickness": 0.1}],
+...     "conditions": [{"type": "clamp", "on": "u_min"}],
+...     "loads": [{"type": "edge", "on": "u_max", "value": [0.0, 0.0, -1e4]}],
+...     "output": {"points": [{"name": "tip", "on": "u_max_v_min"}], "pictures": False},
+... })
+>>> result = model.run()
+>>> round(result.history["tip.uz"][-1], 3)
+-0.19
+
+`Model.run` does what `tegula run` does; `Model.simulation` advances an analysis step by step, for controllers and for
+coupling with other programs.
+"""
+
+from ._errors import AnalysisError, Diagnostic, ModelError, ModelWarning, OutputError, TegulaError
+from ._model import Model, Progress, run
+from ._result import Frame, Result
+from ._simulation import Energies, Simulation, Statistics
+from ._tegula import VERSION as __version__
+
+__all__ = [
+    "AnalysisError",
+    "Diagnostic",
+    "Energies",
+    "Frame",
+    "Model",
+    "ModelError",
+    "ModelWarning",
+    "OutputError",
+    "Progress",
+    "Result",
+    "Simulation",
+    "Statistics",
+    "TegulaError",
+    "__version__",
+    "run",
+]

@@ -1,0 +1,68 @@
+"""Exceptions and warnings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+class TegulaError(Exception):
+    """Base of all exceptions of the package."""
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    """One mistake in a model: where, what, and what to do.
+
+    `line` and `column` count from 1 in the text of the model file (of a model from a dictionary: in `Model.text`); they are
+    0 for the file as a whole. `key` is the path of the key, such as `loads[2].on`.
+    """
+
+    file: str
+    line: int
+    column: int
+    key: str
+    message: str
+    help: str
+
+    def __str__(self) -> str:
+        place = f"{self.file}:{self.line}:{self.column}: " if self.line else f"{self.file}: "
+        key = f"{self.key}: " if self.key else ""
+        remedy = f" ({self.help})" if self.help else ""
+        return f"{place}{key}{self.message}{remedy}"
+
+
+class ModelError(TegulaError):
+    """The model is wrong; nothing was run. `diagnostics` lists everything that is wrong with it."""
+
+    diagnostics: list[Diagnostic]
+
+    def __init__(self, found: list[tuple[str, int, int, str, str, str]]) -> None:
+        super().__init__(found)
+        self.diagnostics = [Diagnostic(*row) for row in found]
+
+    def __str__(self) -> str:
+        number = len(self.diagnostics)
+        head = "the model has 1 error" if number == 1 else f"the model has {number} errors"
+        return "\n  ".join([f"{head}:", *map(str, self.diagnostics)])
+
+
+class AnalysisError(TegulaError):
+    """The analysis failed. `folder` has the results up to the last finished step, if it has a folder."""
+
+    folder: Path | None
+
+    def __init__(self, message: str, folder: str | None = None) -> None:
+        super().__init__(message, folder)
+        self.folder = None if folder is None else Path(folder)
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class OutputError(TegulaError):
+    """A result could not be written or read, or the result folder cannot be used."""
+
+
+class ModelWarning(UserWarning):
+    """The model can be computed but is most likely not intended, or results are unreliable."""

@@ -1,0 +1,166 @@
+"""Models: read, checked, run."""
+
+from __future__ import annotations
+
+import tempfile
+import warnings
+from collections.abc import Callable, Iterable
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ._errors import ModelWarning
+from ._result import Result
+from ._simulation import Simulation
+from ._tegula import Deck
+
+
+class Progress(NamedTuple):
+    """A finished step."""
+
+    step: int
+    """Number of the step."""
+    time: float
+    """Time (load factor) at its end."""
+    end: float
+    """Time (load factor) at which the analysis ends."""
+    step_size: float
+    """Length of the step."""
+    iterations: int
+    """Iterations of the step."""
+
+
+class Model:
+    """A model, from a dictionary with the keys of a model file.
+
+    Numbers and arrays of NumPy are taken as numbers and lists; a key with the value None is left out. `folder` is the place
+    that mesh files and the like are relative to.
+
+    Raises `ModelError` for keys and values that are wrong. What needs the mesh, such as the names of sets, is checked by
+    `check`, `run` and `simulation`.
+    """
+
+    __slots__ = ("_deck",)
+    _deck: Deck
+
+    def __init__(self, keys: dict[str, Any], *, folder: str | PathLike[str] = "") -> None:
+        self._deck = Deck.parse(Path(folder) / "<dict>", Deck.text_of(keys))
+
+    @classmethod
+    def read(cls, path: str | PathLike[str]) -> Model:
+        """Reads a model file (TOML)."""
+        return cls._of(Deck.read(path))
+
+    @classmethod
+    def from_toml(cls, text: str, *, path: str | PathLike[str] = "<text>") -> Model:
+        """Reads the text of a model file. `path` appears in errors, and files that the model names lie beside it."""
+        return cls._of(Deck.parse(path, text))
+
+    @classmethod
+    def _of(cls, deck: Deck) -> Model:
+        model = cls.__new__(cls)
+        model._deck = deck
+        return model
+
+    @property
+    def title(self) -> str:
+        """Title of the model."""
+        return self._deck.title
+
+    @property
+    def text(self) -> str:
+        """Text of the model file."""
+        return self._deck.text
+
+    def keys(self) -> dict[str, Any]:
+        """Keys of the model file as a dictionary, a copy: change it and make another model of it."""
+        return self._deck.as_dict()
+
+    def check(self) -> list[str]:
+        """Checks the model without running it; returns warnings.
+
+        Raises `ModelError` with everything that is wrong.
+        """
+        return self._deck.check()
+
+    def run(
+        self,
+        out: str | PathLike[str] | None = None,
+        *,
+        resume: bool = False,
+        force: bool = False,
+        progress: Callable[[Progress], object] | None = None,
+    ) -> Result:
+        """Runs the model, as `tegula run` does.
+
+        `out` is the result folder; without it the results are in a temporary folder that lasts as long as the `Result`.
+        `resume` restarts from the checkpoint of an interrupted run, `force` replaces the results of another model.
+        `progress` is called after each step; an exception in it ends the run after that step, and the run can be resumed.
+
+        Other threads of Python run meanwhile. Ctrl-C ends the run after the step with `KeyboardInterrupt`. Raises
+        `ModelError`, `AnalysisError`, `OutputError`.
+        """
+        temporary = None
+        if out is None:
+            if resume:
+                raise ValueError("a run is resumed in its result folder: give `out`")
+            temporary = tempfile.TemporaryDirectory(prefix="tegula-")
+            out = Path(temporary.name) / "result"
+        report = progress
+
+        def on_step(step: int, time: float, end: float, step_size: float, iterations: int) -> None:
+            assert report is not None
+            report(Progress(step, time, end, step_size, iterations))
+
+        self._deck.run(fspath(out), resume, force, None if progress is None else on_step)
+        return Result(out, _keep=temporary)
+
+    def simulation(self, *, signals: Iterable[str] = ()) -> Simulation:
+        """Begins the static, path or transient analysis of the model, to be advanced step by step.
+
+        `signals` names amplitudes whose values are set between the steps: loads, motions and drives that follow such an
+        amplitude take the value that `Simulation.set` gives it, constant within a step.
+
+        Raises `ModelError` where the model is wrong, `KeyError` for an unknown amplitude, `ValueError` for analyses without
+        steps.
+        """
+        if isinstance(signals, str):
+            signals = [signals]
+        for warning in self.check():
+            warnings.warn(warning, ModelWarning, stacklevel=2)
+        return Simulation(self._deck.steps(list(signals)))
+
+    def __repr__(self) -> str:
+        title = f" {self.title!r}" if self.title else ""
+        return f"<tegula.Model{title} from {self._deck.path}>"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Model):
+            return NotImplemented
+        return (self._deck.path, self.text) == (other._deck.path, other.text)
+
+    def __hash__(self) -> int:
+        return hash((self._deck.path, self.text))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _from_text, (self.text, fspath(self._deck.path))
+
+
+def _from_text(text: str, path: str) -> Model:
+    return Model.from_toml(text, path=path)
+
+
+def run(
+    model: str | PathLike[str] | dict[str, Any] | Model,
+    out: str | PathLike[str] | None = None,
+    *,
+    resume: bool = False,
+    force: bool = False,
+    progress: Callable[[Progress], object] | None = None,
+) -> Result:
+    """Runs a model file, a dictionary or a `Model`; see `Model.run`."""
+    if isinstance(model, dict):
+        model = Model(model)
+    elif not isinstance(model, Model):
+        model = Model.read(model)
+    return model.run(out, resume=resume, force=force, progress=progress)

@@ -1,0 +1,157 @@
+"""Results of a run, from its folder."""
+
+from __future__ import annotations
+
+import json
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._errors import OutputError
+
+
+class Frame(NamedTuple):
+    """A file with the fields of one instant."""
+
+    time: float
+    """Time, load factor, or number of a mode, as in the list of the files."""
+    path: Path
+    """The VTU file."""
+
+    def to_meshio(self) -> Any:
+        """The mesh with its fields as a `meshio.Mesh`; needs the package meshio."""
+        import meshio  # type: ignore[import-not-found, import-untyped, unused-ignore]
+
+        return meshio.read(self.path)
+
+    def to_pyvista(self) -> Any:
+        """The mesh with its fields as a `pyvista.UnstructuredGrid`; needs the package pyvista."""
+        import pyvista  # type: ignore[import-not-found, import-untyped, unused-ignore]
+
+        return pyvista.read(self.path)
+
+
+class Table(Mapping[str, NDArray[np.float64]]):
+    """Columns of a table by their names; each is an array with an entry for each row."""
+
+    def __init__(self, path: Path) -> None:
+        try:
+            with path.open(encoding="utf-8") as file:
+                names = file.readline().rstrip("\n").split(",")
+                values = np.loadtxt(file, delimiter=",", ndmin=2) if names != [""] else np.empty((0, 0))
+        except OSError as error:
+            raise OutputError(f"the table {path} cannot be read: {error}") from error
+        except ValueError as error:
+            raise OutputError(f"the table {path} is damaged: {error}") from error
+        if values.size == 0:
+            values = np.empty((0, len(names)))
+        elif values.shape[1] != len(names):
+            raise OutputError(f"the table {path} is damaged: it has {values.shape[1]} columns for {len(names)} names")
+        self._columns = dict(zip(names, values.T.copy(), strict=True))
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        try:
+            return self._columns[name]
+        except KeyError:
+            raise KeyError(f"there is no column {name!r}; there are: {', '.join(self._columns)}") from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    def __repr__(self) -> str:
+        rows = len(next(iter(self._columns.values()), []))
+        return f"<{rows} rows of {', '.join(self._columns)}>"
+
+
+class Result:
+    """Results of a run, from its folder.
+
+    A run with `[[steps]]` has the results of each analysis in `analyses`; those of a failed or interrupted run are readable,
+    too: look at `status`.
+    """
+
+    def __init__(self, folder: str | PathLike[str], *, _keep: object = None) -> None:
+        self.folder = Path(folder)
+        """The result folder."""
+        self._keep = _keep
+        path = self.folder / "summary.json"
+        try:
+            self.summary: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        except OSError as error:
+            raise OutputError(f"{self.folder} is no result folder of a run: {error}") from error
+        except ValueError as error:
+            raise OutputError(f"{path} is damaged: {error}") from error
+        self._tables: dict[str, Table] = {}
+
+    @property
+    def status(self) -> str:
+        """`complete`, `failed`, `interrupted` or `running`."""
+        return str(self.summary["status"])
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings of the run."""
+        return list(self.summary.get("warnings", []))
+
+    def table(self, name: str) -> Table:
+        """A table of the folder by its file name, such as `modes.csv`."""
+        if name not in self._tables:
+            self._tables[name] = Table(self.folder / name)
+        return self._tables[name]
+
+    @property
+    def history(self) -> Table:
+        """Columns of the history by their names, a row a step: `time`, `tip.uz`, `kinetic`."""
+        return self.table("history.csv")
+
+    @property
+    def frequencies(self) -> NDArray[np.float64]:
+        """Natural frequencies of a modal analysis (cycles per unit of time)."""
+        return self._numbers("frequencies_hz", "natural frequencies: it is no modal analysis")
+
+    @property
+    def load_factors(self) -> NDArray[np.float64]:
+        """Load factors of a buckling analysis."""
+        return self._numbers("load_factors", "load factors: it is no buckling analysis")
+
+    def _numbers(self, key: str, what: str) -> NDArray[np.float64]:
+        if self.summary.get(key) is None:
+            raise OutputError(f"the run in {self.folder} has no {what}")
+        return np.array(self.summary[key], dtype=float)
+
+    @property
+    def frames(self) -> list[Frame]:
+        """Files with the fields, in the order of time."""
+        return self._frames("fields.pvd")
+
+    @property
+    def modes(self) -> list[Frame]:
+        """Files with the mode shapes of a modal or buckling analysis."""
+        return self._frames("modes.pvd")
+
+    def _frames(self, name: str) -> list[Frame]:
+        path = self.folder / name
+        if not path.exists():
+            return []
+        try:
+            sets = ET.parse(path).getroot().iter("DataSet")
+            return [Frame(float(s.attrib["timestep"]), self.folder / s.attrib["file"]) for s in sets]
+        except (OSError, ET.ParseError, KeyError, ValueError) as error:
+            raise OutputError(f"{path} cannot be read: {error}") from error
+
+    @property
+    def analyses(self) -> dict[str, Result]:
+        """Results of the analyses of a run with `[[steps]]`, by their names."""
+        steps = self.summary.get("analyses") or []
+        return {s["name"]: Result(self.folder / s["folder"], _keep=self._keep) for s in steps if s.get("status")}
+
+    def __repr__(self) -> str:
+        return f"<tegula.Result {self.summary['analysis']}, {self.status}, in {self.folder}>"

@@ -1,0 +1,136 @@
+"""Analyses that are advanced step by step."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._tegula import Steps
+
+
+class Energies(NamedTuple):
+    """Energies at the end of a step."""
+
+    kinetic: float
+    strain: float
+    potential: float
+    """Potential of gravity (in statics: of all dead loads)."""
+    work: float
+    """Work of the other loads."""
+    dissipated: float
+    total: float
+    """Sum that an exact integration keeps constant."""
+
+
+class Statistics(NamedTuple):
+    """Run counters."""
+
+    steps: int
+    iterations: int
+    factorizations: int
+    cutbacks: int
+
+
+class Simulation:
+    """A static, path or transient analysis that is advanced step by step; made by `Model.simulation`.
+
+    Nothing is written to files, and stop conditions of the model do not end it. Arrays are copies: they stay as they are
+    when the simulation goes on. Nodes are rows in the order of the mesh.
+    """
+
+    __slots__ = ("_steps",)
+
+    def __init__(self, steps: Steps) -> None:
+        self._steps = steps
+
+    def advance(self, steps: int = 1) -> int:
+        """Takes `steps` steps; returns the iterations of the last one.
+
+        Raises `AnalysisError` where a step fails, and the state is still that before it; `ValueError` at the end of the
+        analysis. Other threads of Python run meanwhile; Ctrl-C is noticed between steps.
+        """
+        if steps < 1:
+            raise ValueError(f"advance takes at least one step, not {steps}")
+        return self._steps.advance(steps)
+
+    def set(self, signal: str, value: float) -> None:
+        """Sets the value of a signal for the steps to come."""
+        self._steps.set_signal(signal, value)
+
+    def signal(self, name: str) -> float:
+        """Present value of a signal."""
+        return self._steps.signal_value(name)
+
+    @property
+    def signals(self) -> list[str]:
+        """Names of the signals."""
+        return self._steps.signals()
+
+    @property
+    def time(self) -> float:
+        """Time (load factor) reached."""
+        return self._steps.time()[0]
+
+    @property
+    def end(self) -> float:
+        """Time (load factor) at which the analysis ends."""
+        return self._steps.time()[1]
+
+    @property
+    def finished(self) -> bool:
+        """Whether the analysis has come to its end."""
+        return self._steps.finished()
+
+    @property
+    def energies(self) -> Energies:
+        """Energies of the present state."""
+        return Energies(*self._steps.energies())
+
+    @property
+    def statistics(self) -> Statistics:
+        """Run counters so far."""
+        return Statistics(*self._steps.statistics())
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns of the history."""
+        return self._steps.columns()
+
+    def values(self) -> dict[str, float]:
+        """All columns of the history for the present state: points, energies, momenta, reactions, bodies, joints, sensors."""
+        return dict(zip(self._steps.columns(), self._steps.row().tolist(), strict=True))
+
+    def nodes_on(self, set: str) -> NDArray[np.uint32]:
+        """Nodes of a set of the mesh, as numbers of rows."""
+        return self._steps.nodes_on(set)
+
+    @property
+    def displacements(self) -> NDArray[np.float64]:
+        """Displacements of the nodes (length), n × 3."""
+        return self._steps.displacements()
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """Positions of the nodes (length), n × 3."""
+        return self._steps.positions()
+
+    @property
+    def directors(self) -> NDArray[np.float64]:
+        """Directors of the nodes, n × 3; NaN where a node has none."""
+        return self._steps.directors()
+
+    @property
+    def velocities(self) -> NDArray[np.float64]:
+        """Velocities of the nodes (length/time), n × 3; zero in statics."""
+        return self._steps.velocities()
+
+    @property
+    def quads(self) -> NDArray[np.uint32]:
+        """Quadrilaterals of the mesh by the numbers of their nodes, m × 4."""
+        return self._steps.quads()
+
+    def __repr__(self) -> str:
+        time, end = self._steps.time()
+        return f"<tegula.Simulation at {time:g} of {end:g}>"
