@@ -13,7 +13,7 @@ A model is a model file, its text, or a dictionary with the same keys:
 ...     "output": {"points": [{"name": "tip", "on": "u_max_v_min"}], "pictures": False},
 ... })
 >>> result = model.run()
->>> round(result.history["tip.uz"][-1], 3)
+>>> print(round(result.history["tip.uz"][-1], 3))
 -0.19
 
 `Model.run` does what `tegula run` does; `Model.simulation` advances an analysis step by step, for controllers and for

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ._result import Result
 
 
 class TegulaError(Exception):
@@ -48,13 +52,22 @@ class ModelError(TegulaError):
 
 
 class AnalysisError(TegulaError):
-    """The analysis failed. `folder` has the results up to the last finished step, if it has a folder."""
+    """The analysis failed.
+
+    Of a run `result` has what it found up to the last finished step, in `folder`; of a `Simulation` both are None. A copy from
+    another process has no `result`.
+    """
 
     folder: Path | None
+    result: Result | None
 
     def __init__(self, message: str, folder: str | None = None) -> None:
         super().__init__(message, folder)
         self.folder = None if folder is None else Path(folder)
+        self.result = None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return AnalysisError, self.args
 
     def __str__(self) -> str:
         return str(self.args[0])

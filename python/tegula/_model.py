@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import shutil
 import tempfile
 import warnings
+import weakref
 from collections.abc import Callable, Iterable
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ._errors import ModelWarning
+from ._errors import AnalysisError, ModelWarning
 from ._result import Result
 from ._simulation import Simulation
 from ._tegula import Deck
@@ -28,6 +30,14 @@ class Progress(NamedTuple):
     """Length of the step."""
     iterations: int
     """Iterations of the step."""
+
+
+class TemporaryFolder:
+    """A folder that is removed with the last reference to it."""
+
+    def __init__(self) -> None:
+        self.path = Path(tempfile.mkdtemp(prefix="tegula-"))
+        self._remove = weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
 
 
 class Model:
@@ -104,15 +114,19 @@ class Model:
         if out is None:
             if resume:
                 raise ValueError("a run is resumed in its result folder: give `out`")
-            temporary = tempfile.TemporaryDirectory(prefix="tegula-")
-            out = Path(temporary.name) / "result"
+            temporary = TemporaryFolder()
+            out = temporary.path / "result"
         report = progress
 
         def on_step(step: int, time: float, end: float, step_size: float, iterations: int) -> None:
             assert report is not None
             report(Progress(step, time, end, step_size, iterations))
 
-        self._deck.run(fspath(out), resume, force, None if progress is None else on_step)
+        try:
+            self._deck.run(fspath(out), resume, force, None if progress is None else on_step)
+        except AnalysisError as error:
+            error.result = Result(out, _keep=temporary)
+            raise
         return Result(out, _keep=temporary)
 
     def simulation(self, *, signals: Iterable[str] = ()) -> Simulation:

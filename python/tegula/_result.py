@@ -56,9 +56,10 @@ class Table(Mapping[str, NDArray[np.float64]]):
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         try:
-            return self._columns[name]
+            column: NDArray[np.float64] = self._columns[name]
         except KeyError:
             raise KeyError(f"there is no column {name!r}; there are: {', '.join(self._columns)}") from None
+        return column
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)

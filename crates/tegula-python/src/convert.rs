@@ -44,7 +44,10 @@ fn value_at(value: &Bound<'_, PyAny>, at: &str, depth: usize) -> PyResult<Value>
     if let Ok(flag) = value.cast::<PyBool>() {
         Ok(Value::Boolean(flag.is_true()))
     } else if let Ok(number) = value.cast::<PyInt>() {
-        Ok(Value::Integer(number.extract()?))
+        let fits = number.extract().map_err(|_| {
+            PyValueError::new_err(format!("{}: the number has more than 64 bits", place(at)))
+        });
+        Ok(Value::Integer(fits?))
     } else if let Ok(number) = value.cast::<PyFloat>() {
         Ok(Value::Float(number.value()))
     } else if let Ok(text) = value.cast::<PyString>() {

@@ -1,0 +1,326 @@
+"""The package as its users see it: models, runs, results, errors, simulations."""
+
+import copy
+import json
+import pickle
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import tegula
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+# Length, width, thickness, Young's modulus, line load.
+LENGTH, WIDTH, THICKNESS, YOUNG, LOAD = 10.0, 1.0, 0.1, 2.1e11, -1e3
+INERTIA = WIDTH * THICKNESS**3 / 12.0
+
+
+def cantilever(**changes: Any) -> dict[str, Any]:
+    """A strip without Poisson's effect, clamped at one end and loaded at the other one."""
+    keys: dict[str, Any] = {
+        "title": "cantilever",
+        "analysis": {"type": "static"},
+        "mesh": {"type": "plate", "size": np.array([LENGTH, WIDTH]), "grid": {"elements": (20, 2)}},
+        "materials": {
+            "steel": {"type": "isotropic", "young": np.float64(YOUNG), "poisson": 0, "density": 7850.0}
+        },
+        "sections": [{"material": "steel", "thickness": THICKNESS}],
+        "conditions": [{"type": "clamp", "on": "u_min"}],
+        "loads": [{"type": "edge", "on": "u_max", "value": [0.0, 0.0, LOAD]}],
+        "output": {"points": [{"name": "tip", "on": "u_max_v_min"}], "pictures": False},
+    }
+    return {**keys, **changes}
+
+
+SWING = {"type": "transient", "end_time": 0.05, "time_step": 1e-3}
+
+
+class Models(unittest.TestCase):
+    def test_dictionaries_and_text_give_equal_models(self) -> None:
+        model = tegula.Model(cantilever())
+        self.assertEqual(model.title, "cantilever")
+        again = tegula.Model.from_toml(model.text, path="<dict>")
+        self.assertEqual(model, again)
+        self.assertEqual(tegula.Model(model.keys()).text, model.text)
+        self.assertEqual(model.keys()["mesh"]["size"], [LENGTH, WIDTH])
+
+    def test_models_are_copied_and_pickled(self) -> None:
+        model = tegula.Model(cantilever())
+        for other in (copy.copy(model), copy.deepcopy(model), pickle.loads(pickle.dumps(model))):
+            self.assertEqual(other, model)
+            self.assertEqual(hash(other), hash(model))
+
+    def test_keys_that_are_none_are_left_out(self) -> None:
+        self.assertNotIn("title", tegula.Model(cantilever(title=None)).keys())
+
+    def test_every_mistake_is_named_with_its_key(self) -> None:
+        keys = cantilever(loads=[{"type": "edge", "on": "u_max", "valu": [0, 0, 1]}])
+        keys["sections"][0]["thickness"] = -1.0
+        with self.assertRaises(tegula.ModelError) as caught:
+            tegula.Model(keys).check()
+        found = caught.exception.diagnostics
+        self.assertIn("loads[0].valu", [d.key for d in found])
+        self.assertIn('unknown key "valu" (did you mean "value"?)', str(caught.exception))
+        self.assertEqual(str(pickle.loads(pickle.dumps(caught.exception))), str(caught.exception))
+
+    def test_sets_are_checked_with_the_mesh(self) -> None:
+        model = tegula.Model(cantilever(conditions=[{"type": "clamp", "on": "left"}]))
+        for refused in (model.check, model.run, model.simulation):
+            with self.assertRaises(tegula.ModelError) as caught:
+                refused()
+            self.assertEqual(caught.exception.diagnostics[0].key, "conditions[0].on")
+
+    def test_values_without_a_counterpart_are_refused_at_their_place(self) -> None:
+        endless: list[Any] = []
+        endless.append(endless)
+        for value, error in ((object(), TypeError), (10**30, ValueError), (endless, ValueError), (1j, TypeError)):
+            keys = cantilever(loads=[{"type": "edge", "on": "u_max", "value": [0.0, 0.0, value]}])
+            with self.assertRaisesRegex(error, r"^loads\[0\]\.value\[2\]"):
+                tegula.Model(keys)
+
+    def test_values_that_are_no_numbers_are_refused(self) -> None:
+        for value in (float("nan"), float("inf")):
+            keys = cantilever(loads=[{"type": "edge", "on": "u_max", "value": [0.0, 0.0, value]}])
+            with self.assertRaises(tegula.ModelError):
+                tegula.Model(keys).check()
+
+    def test_files_that_do_not_exist_are_model_errors(self) -> None:
+        with self.assertRaisesRegex(tegula.ModelError, "there is no such file"):
+            tegula.Model.read("no_such_model.toml")
+
+
+class Runs(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.out = Path(folder.name) / "result"
+
+    def test_the_tip_of_a_cantilever_sinks_as_beam_theory_says(self) -> None:
+        seen: list[tegula.Progress] = []
+        result = tegula.Model(cantilever()).run(self.out, progress=seen.append)
+        exact = LOAD * WIDTH * LENGTH**3 / (3.0 * YOUNG * INERTIA)
+        self.assertEqual(result.status, "complete")
+        self.assertLess(abs(result.history["tip.uz"][-1] / exact - 1.0), 1e-3)
+        self.assertLess(abs(result.history["support.u_min.fz"][-1] + LOAD * WIDTH), 1e-6)
+        self.assertEqual([p.step for p in seen], [0, 1])
+        self.assertEqual(seen[-1].time, 1.0)
+        self.assertEqual(json.loads((self.out / "summary.json").read_text()), result.summary)
+        again = tegula.Result(self.out)
+        np.testing.assert_array_equal(again.history["tip.uz"], result.history["tip.uz"])
+
+    def test_results_in_a_temporary_folder_last_as_long_as_the_result(self) -> None:
+        result = tegula.run(cantilever())
+        folder = result.folder
+        self.assertTrue(all(frame.path.exists() for frame in result.frames))
+        self.assertEqual(len(result.frames), 2)
+        del result
+        self.assertFalse(folder.exists())
+
+    def test_frequencies_of_a_free_strip(self) -> None:
+        keys = cantilever(analysis={"type": "modal", "modes": 7}, conditions=[], loads=[])
+        result = tegula.run(keys)
+        self.assertLess(np.abs(result.frequencies[:6]).max(), 1e-6 * result.frequencies[6])
+        # Free beam: (4.730041/L)² √(EI/ρA), S. Timoshenko, Vibration Problems in Engineering.
+        exact = 4.730041**2 / LENGTH**2 * np.sqrt(YOUNG * INERTIA / (7850.0 * WIDTH * THICKNESS)) / (2.0 * np.pi)
+        self.assertLess(abs(result.frequencies[6] / exact - 1.0), 5e-3)
+        self.assertEqual(len(result.modes), 7)
+        with self.assertRaisesRegex(tegula.OutputError, "no buckling analysis"):
+            _ = result.load_factors
+
+    def test_runs_with_steps_have_the_result_of_each(self) -> None:
+        steps = [
+            {"name": "preload", "analysis": {"type": "static"}},
+            {"name": "modes", "analysis": {"type": "modal", "modes": 1}},
+        ]
+        keys = cantilever(analysis=None, steps=steps)
+        result = tegula.run(keys)
+        self.assertEqual(list(result.analyses), ["preload", "modes"])
+        self.assertLess(result.analyses["preload"].history["tip.uz"][-1], 0.0)
+        self.assertEqual(len(result.analyses["modes"].frequencies), 1)
+        with self.assertRaisesRegex(ValueError, "run"):
+            tegula.Model(keys).simulation()
+
+    def test_folders_of_other_models_are_not_overwritten(self) -> None:
+        tegula.run(EXAMPLES / "cantilever_plate.toml", self.out)
+        other = tegula.Model(cantilever(title="another"))
+        with self.assertRaisesRegex(tegula.OutputError, "cantilever_plate.toml"):
+            other.run(self.out)
+        self.assertEqual(other.run(self.out, force=True).summary["title"], "another")
+
+    def test_failures_name_the_cause_and_keep_the_results_so_far(self) -> None:
+        # The column buckles before full load.
+        euler = np.pi**2 * YOUNG * INERTIA / (4.0 * LENGTH**2)
+        loads = [{"type": "edge", "on": "u_max", "value": [-3.0 * euler / WIDTH, 0.0, 0.0]}]
+        with self.assertRaises(tegula.AnalysisError) as caught:
+            tegula.Model(cantilever(loads=loads)).run(self.out)
+        self.assertIn("buckl", str(caught.exception))
+        self.assertEqual(caught.exception.folder, self.out)
+        self.assertEqual(tegula.Result(self.out).status, "failed")
+        partial = caught.exception.result
+        assert partial is not None
+        self.assertEqual(partial.history["time"][0], 0.0)
+        self.assertIn("buckl", str(pickle.loads(pickle.dumps(caught.exception))))
+
+    def test_exceptions_of_the_progress_end_the_run_which_resumes(self) -> None:
+        class Enough(Exception):
+            pass
+
+        def stop(progress: tegula.Progress) -> None:
+            if progress.step == 20:
+                raise Enough
+
+        model = tegula.Model(cantilever(analysis=SWING))
+        with self.assertRaises(Enough):
+            model.run(self.out, progress=stop)
+        self.assertEqual(tegula.Result(self.out).status, "interrupted")
+        resumed = model.run(self.out, resume=True)
+        whole = model.run()
+        np.testing.assert_array_equal(resumed.history["tip.uz"], whole.history["tip.uz"])
+
+    def test_ctrl_c_ends_the_run_after_the_step(self) -> None:
+        long = {**SWING, "end_time": 1e3}
+        program = (
+            "import tegula, sys, pathlib\n"
+            f"model = tegula.Model.from_toml({tegula.Model(cantilever(analysis=long)).text!r})\n"
+            "try:\n"
+            f"    model.run({str(self.out)!r}, progress=lambda p: p.step == 3 and print('begun', flush=True))\n"
+            "except KeyboardInterrupt as error:\n"
+            "    print(error)\n"
+        )
+        child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
+        assert child.stdout is not None
+        self.assertEqual(child.stdout.readline(), "begun\n")
+        child.send_signal(signal.SIGINT)
+        rest, _ = child.communicate(timeout=60)
+        self.assertEqual(child.returncode, 0, rest)
+        self.assertEqual(tegula.Result(self.out).status, "interrupted")
+
+    def test_other_threads_run_meanwhile(self) -> None:
+        finished = threading.Event()
+        counts = 0
+
+        def solve() -> None:
+            tegula.run(cantilever(analysis={**SWING, "end_time": 0.5}))
+            finished.set()
+
+        thread = threading.Thread(target=solve)
+        thread.start()
+        while not finished.is_set():
+            counts += 1
+            time.sleep(1e-3)
+        thread.join()
+        self.assertGreater(counts, 10)
+
+    def test_warnings_of_a_model_are_warnings_of_python(self) -> None:
+        # Its loads have no effect.
+        keys = cantilever(analysis={"type": "modal", "modes": 1})
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            result = tegula.run(keys)
+        found = [str(w.message) for w in caught if issubclass(w.category, tegula.ModelWarning)]
+        self.assertEqual(found, result.warnings)
+        self.assertTrue(found)
+
+    def test_what_is_no_result_folder_is_told(self) -> None:
+        with self.assertRaisesRegex(tegula.OutputError, "no result folder"):
+            tegula.Result(self.out)
+        result = tegula.Model(cantilever()).run(self.out)
+        with self.assertRaisesRegex(KeyError, "tip.uz"):
+            _ = result.history["tip.u"]
+        (self.out / "history.csv").write_text("time,a\n1,2,3\n")
+        with self.assertRaisesRegex(tegula.OutputError, "damaged"):
+            _ = tegula.Result(self.out).history
+
+
+class Simulations(unittest.TestCase):
+    def test_a_simulation_gives_the_history_of_the_run(self) -> None:
+        model = tegula.Model(cantilever(analysis=SWING))
+        history = model.run().history
+        simulation = model.simulation()
+        row = 0
+        while True:
+            values = simulation.values()
+            self.assertEqual(list(values), list(history))
+            for name, column in history.items():
+                self.assertEqual(values[name], column[row], f"{name} at row {row}")
+            if simulation.finished:
+                break
+            simulation.advance()
+            row += 1
+        self.assertEqual(row, len(history["time"]) - 1)
+        self.assertEqual(simulation.time, simulation.end)
+        self.assertEqual(simulation.statistics.steps, row)
+        with self.assertRaisesRegex(ValueError, "come to its end"):
+            simulation.advance()
+
+    def test_arrays_have_a_row_for_each_node(self) -> None:
+        simulation = tegula.Model(cantilever(analysis=SWING)).simulation()
+        first = simulation.positions
+        simulation.advance(5)
+        tip = simulation.nodes_on("u_max")
+        self.assertEqual(simulation.quads.shape, (40, 4))
+        self.assertEqual(first.shape, (63, 3))
+        np.testing.assert_allclose(simulation.positions - simulation.displacements, first, atol=1e-14)
+        self.assertEqual(simulation.displacements[tip[0], 2], simulation.values()["tip.uz"])
+        np.testing.assert_allclose(np.linalg.norm(simulation.directors, axis=1), 1.0, atol=1e-3)
+        self.assertTrue((simulation.velocities[tip, 2] < 0.0).all())
+        np.testing.assert_allclose(first[tip, 0], LENGTH, atol=1e-12)
+        self.assertAlmostEqual(simulation.energies.kinetic, simulation.values()["kinetic"])
+        with self.assertRaisesRegex(KeyError, "no set"):
+            simulation.nodes_on("nowhere")
+
+    def test_a_signal_takes_the_place_of_an_amplitude(self) -> None:
+        keys = cantilever(amplitudes={"push": {"type": "constant", "value": 0.0}})
+        keys["loads"][0]["amplitude"] = "push"
+        keys["analysis"] = {"type": "static", "load_steps": 4}
+        model = tegula.Model(keys)
+        simulation = model.simulation(signals=["push"])
+        self.assertEqual((simulation.signals, simulation.signal("push")), (["push"], 0.0))
+        simulation.set("push", 1.0)
+        simulation.advance()
+        full = simulation.values()["tip.uz"]
+        exact = LOAD * WIDTH * LENGTH**3 / (3.0 * YOUNG * INERTIA)
+        self.assertLess(abs(full / exact - 1.0), 1e-3)
+        simulation.set("push", 0.5)
+        simulation.advance()
+        self.assertLess(abs(simulation.values()["tip.uz"] / full - 0.5), 1e-4)
+        with self.assertRaisesRegex(KeyError, "push"):
+            simulation.set("pull", 1.0)
+        with self.assertRaisesRegex(KeyError, "no amplitude"):
+            model.simulation(signals=["pull"])
+
+    def test_analyses_without_steps_are_refused(self) -> None:
+        keys = cantilever(analysis={"type": "modal", "modes": 1})
+        with self.assertWarns(tegula.ModelWarning), self.assertRaisesRegex(ValueError, "no steps"):
+            tegula.Model(keys).simulation()
+
+    def test_simulations_work_from_several_threads(self) -> None:
+        simulation = tegula.Model(cantilever(analysis=SWING)).simulation()
+        errors: list[BaseException] = []
+
+        def read() -> None:
+            try:
+                for _ in range(200):
+                    self.assertTrue(np.isfinite(simulation.displacements).all())
+            except BaseException as error:
+                errors.append(error)
+
+        thread = threading.Thread(target=read)
+        thread.start()
+        simulation.advance(20)
+        thread.join()
+        self.assertEqual(errors, [])
+
+
+if __name__ == "__main__":
+    unittest.main()
