@@ -133,7 +133,7 @@ class Model:
         """Begins the static, path or transient analysis of the model, to be advanced step by step.
 
         `signals` names amplitudes whose values are set between the steps: loads, motions and drives that follow such an
-        amplitude take the value that `Simulation.set` gives it, constant within a step.
+        amplitude take the value that `Simulation.set` gives it, constant within a step. They act in transient analyses.
 
         Raises `ModelError` where the model is wrong, `KeyError` for an unknown amplitude, `ValueError` for analyses without
         steps.

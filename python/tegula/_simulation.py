@@ -55,8 +55,16 @@ class Simulation:
             raise ValueError(f"advance takes at least one step, not {steps}")
         return self._steps.advance(steps)
 
+    def repeat(self) -> None:
+        """Goes back to the start of the last step, to take it again with other signals.
+
+        The step ends at the same time when it is taken again, so that another program is coupled by iterations within each
+        step. Raises `ValueError` before the first step, and where the last step has been gone back already.
+        """
+        self._steps.repeat()
+
     def set(self, signal: str, value: float) -> None:
-        """Sets the value of a signal for the steps to come."""
+        """Sets the value of a signal for the steps to come; `values` still refers to the last step."""
         self._steps.set_signal(signal, value)
 
     def signal(self, name: str) -> float:

@@ -44,9 +44,9 @@ fn value_at(value: &Bound<'_, PyAny>, at: &str, depth: usize) -> PyResult<Value>
     if let Ok(flag) = value.cast::<PyBool>() {
         Ok(Value::Boolean(flag.is_true()))
     } else if let Ok(number) = value.cast::<PyInt>() {
-        let fits = number.extract().map_err(|_| {
-            PyValueError::new_err(format!("{}: the number has more than 64 bits", place(at)))
-        });
+        let fits = number
+            .extract()
+            .map_err(|_| PyValueError::new_err(format!("{}: the number has more than 64 bits", place(at))));
         Ok(Value::Integer(fits?))
     } else if let Ok(number) = value.cast::<PyFloat>() {
         Ok(Value::Float(number.value()))

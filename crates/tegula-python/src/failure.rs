@@ -31,7 +31,7 @@ pub fn of_run(error: JobError) -> PyErr {
         JobError::Model(found) => of_model(found),
         JobError::Analysis { error, folder } => of_analysis(&error, Some(&folder)),
         JobError::Interrupted { folder, resumable } => {
-            let how = if resumable { "; run(..., resume=True) goes on from there" } else { "" };
+            let how = if resumable { "; run(..., resume=True) continues the run" } else { "" };
             PyKeyboardInterrupt::new_err(format!(
                 "interrupted: the results up to the last finished step are in {}{how}",
                 folder.display()

@@ -36,13 +36,17 @@ struct Analysed {
     before: State,
     /// Iterations of the last step.
     iterations: u32,
+    signals: BTreeMap<String, Signal>,
+    /// Values of the signals in the last step, in their order.
+    applied: Vec<f64>,
+    /// The last step ends where the attempt that it repeats has ended.
+    limited: bool,
 }
 
 /// The analysis of a model, step by step.
 #[pyclass(frozen, module = "tegula._tegula")]
 pub struct Steps {
     analysed: Mutex<Analysed>,
-    signals: BTreeMap<String, Signal>,
     columns: Vec<String>,
 }
 
@@ -58,6 +62,12 @@ impl Steps {
                 "a model with `[[steps]]` is run as a whole: use run(), or give it an `[analysis]` of its own",
             ));
         }
+        if !signals.is_empty() && !matches!(prepared.model.analysis, Analysis::Transient(_)) {
+            // The start of a load step would be no equilibrium, and load steps would take its release of energy for a snap.
+            return Err(PyValueError::new_err(
+                "signals act in transient analyses; of a static one run a model for each value, or give the amplitude a table",
+            ));
+        }
         let mut given = BTreeMap::new();
         for name in signals {
             let signal = prepared.system.signal(name).ok_or_else(|| {
@@ -70,8 +80,16 @@ impl Steps {
         let rows = HistoryRows::new(&prepared.model, &prepared);
         let columns = rows.columns().to_vec();
         let running = Running::try_new(prepared, begun)?;
-        let analysed = Analysed { running, rows, before: State::default(), iterations: 0 };
-        Ok(Self { analysed: Mutex::new(analysed), signals: given, columns })
+        let analysed = Analysed {
+            running,
+            rows,
+            before: State::default(),
+            iterations: 0,
+            applied: given.values().map(Signal::value).collect(),
+            signals: given,
+            limited: false,
+        };
+        Ok(Self { analysed: Mutex::new(analysed), columns })
     }
 
     fn lock(&self, py: Python<'_>) -> MutexGuard<'_, Analysed> {
@@ -103,23 +121,62 @@ fn begun(prepared: &Prepared) -> PyResult<Borrowed<'_>> {
 
 impl Analysed {
     fn advance(&mut self) -> PyResult<()> {
-        let Self { running, before, iterations, .. } = self;
+        let Self { running, before, iterations, signals, applied, limited, .. } = self;
         running.with_dependent_mut(|_, stepper| {
             if stepper.is_finished() {
                 return Err(PyValueError::new_err("the analysis has come to its end"));
             }
-            before.clone_from(stepper.state());
+            let start = stepper.state().clone();
             *iterations = stepper.advance(&mut Silent).map_err(|error| failure::of_analysis(&error, None))?;
+            *before = start;
+            applied.clear();
+            applied.extend(signals.values().map(Signal::value));
+            if std::mem::take(limited) {
+                stepper.release();
+            }
             Ok(())
         })
     }
 
+    /// Goes back to the start of the last step, which ends at the same time when it is taken again.
+    fn repeat(&mut self) -> PyResult<()> {
+        let Self { running, before, iterations, limited, .. } = self;
+        running.with_dependent_mut(|_, stepper| {
+            if before.u.is_empty() {
+                return Err(PyValueError::new_err("there is no step to repeat: advance first, and repeat a step only once before it is taken again"));
+            }
+            let end = stepper.position();
+            stepper.repeat(before, end);
+            (*iterations, *limited) = (0, true);
+            *before = State::default();
+            Ok(())
+        })
+    }
+
+    /// Row of the history for the last step, under the signals that acted in it.
     fn row(&mut self) -> Vec<f64> {
-        let Self { running, rows, before, iterations } = self;
-        running.with_dependent(|prepared, stepper| {
+        let Self { running, rows, before, iterations, signals, applied, .. } = self;
+        let present: Vec<f64> = signals.values().map(Signal::value).collect();
+        let set =
+            |values: &[f64]| signals.values().zip(values).for_each(|(signal, value)| signal.set(*value));
+        set(applied);
+        let row = running.with_dependent(|prepared, stepper| {
             let step = stepper.reached().step(*iterations);
             rows.row(prepared, before, &step).0
-        })
+        });
+        set(&present);
+        row
+    }
+
+    fn signal(&self, name: &str) -> PyResult<&Signal> {
+        let unknown = || {
+            let given: Vec<_> = self.signals.keys().map(String::as_str).collect();
+            PyKeyError::new_err(format!(
+                "\"{name}\" is no signal of this simulation; it has: {}",
+                given.join(", ")
+            ))
+        };
+        self.signals.get(name).ok_or_else(unknown)
     }
 }
 
@@ -152,20 +209,30 @@ impl Steps {
         Ok(self.lock(py).iterations)
     }
 
-    /// Sets the value of a signal for the steps to come.
-    fn set_signal(&self, name: &str, value: f64) -> PyResult<()> {
-        self.signal(name)?.set(value);
+    /// Goes back to the start of the last step.
+    fn repeat(&self, py: Python<'_>) -> PyResult<()> {
+        let mut guard = self.lock(py);
+        let analysed = &mut *guard;
+        py.detach(|| analysed.repeat())
+    }
+
+    /// Sets the value of a signal for the steps to come; a step that another thread takes is waited for.
+    fn set_signal(&self, py: Python<'_>, name: &str, value: f64) -> PyResult<()> {
+        if !value.is_finite() {
+            return Err(PyValueError::new_err(format!("the signal \"{name}\" cannot be {value}")));
+        }
+        self.lock(py).signal(name)?.set(value);
         Ok(())
     }
 
     /// Present value of a signal.
-    fn signal_value(&self, name: &str) -> PyResult<f64> {
-        Ok(self.signal(name)?.value())
+    fn signal_value(&self, py: Python<'_>, name: &str) -> PyResult<f64> {
+        Ok(self.lock(py).signal(name)?.value())
     }
 
     /// Names of the signals.
-    fn signals(&self) -> Vec<String> {
-        self.signals.keys().cloned().collect()
+    fn signals(&self, py: Python<'_>) -> Vec<String> {
+        self.lock(py).signals.keys().cloned().collect()
     }
 
     /// Names of the columns of a row.
@@ -257,18 +324,5 @@ impl Steps {
         let quads = self.read(py, |prepared, _| prepared.mesh.quads.clone());
         let number = quads.len();
         quads.into_flattened().into_pyarray(py).reshape([number, 4])
-    }
-}
-
-impl Steps {
-    fn signal(&self, name: &str) -> PyResult<&Signal> {
-        let unknown = || {
-            let given: Vec<_> = self.signals.keys().map(String::as_str).collect();
-            PyKeyError::new_err(format!(
-                "\"{name}\" is no signal of this simulation; it has: {}",
-                given.join(", ")
-            ))
-        };
-        self.signals.get(name).ok_or_else(unknown)
     }
 }
