@@ -22,7 +22,7 @@ coupling with other programs.
 
 from ._errors import AnalysisError, Diagnostic, ModelError, ModelWarning, OutputError, TegulaError
 from ._model import Model, Progress, run
-from ._result import Frame, Result
+from ._result import Frame, Result, StateSpace, Table
 from ._simulation import Energies, Simulation, Statistics
 from ._tegula import VERSION as __version__
 
@@ -38,7 +38,9 @@ __all__ = [
     "Progress",
     "Result",
     "Simulation",
+    "StateSpace",
     "Statistics",
+    "Table",
     "TegulaError",
     "__version__",
     "run",

@@ -72,6 +72,31 @@ class Table(Mapping[str, NDArray[np.float64]]):
         return f"<{rows} rows of {', '.join(self._columns)}>"
 
 
+class StateSpace(NamedTuple):
+    """Linearisation ż = A z + B u, y = C z + D u; the states are the coordinates, modes first, and behind them their rates."""
+
+    a: NDArray[np.float64]
+    b: NDArray[np.float64]
+    c: NDArray[np.float64]
+    d: NDArray[np.float64]
+    inputs: list[str]
+    """Names of the inputs u."""
+    outputs: list[str]
+    """Names of the outputs y, such as `tip.uz`."""
+    omega: NDArray[np.float64]
+    """Circular frequency of each coordinate (rad/time)."""
+    damping_ratio: NDArray[np.float64]
+    """Damping ratio of each coordinate."""
+
+
+def _matrix(path: Path) -> NDArray[np.float64]:
+    """A dense matrix in the format Matrix Market."""
+    with path.open(encoding="utf-8") as file:
+        lines = [line for line in file if not line.startswith("%")]
+    rows, columns = map(int, lines[0].split())
+    return np.array(lines[1:], dtype=float).reshape(columns, rows).T
+
+
 class Result:
     """Results of a run, from its folder.
 
@@ -147,6 +172,22 @@ class Result:
             return [Frame(float(s.attrib["timestep"]), self.folder / s.attrib["file"]) for s in sets]
         except (OSError, ET.ParseError, KeyError, ValueError) as error:
             raise OutputError(f"{path} cannot be read: {error}") from error
+
+    @property
+    def state_space(self) -> StateSpace:
+        """Linearisation of a modal analysis with `inputs`."""
+        path = self.folder / "state_space.json"
+        if not path.exists():
+            raise OutputError(f"the run in {self.folder} has no state space: it is no modal analysis with inputs")
+        try:
+            names = json.loads(path.read_text(encoding="utf-8"))
+            matrices = [_matrix(self.folder / f"state_space_{name}.mtx") for name in "abcd"]
+            coordinates = names["coordinates"]
+            omega, damping = (np.array([c[key] for c in coordinates]) for key in ("omega", "damping_ratio"))
+            a, b, c, d = matrices
+            return StateSpace(a, b, c, d, names["inputs"], names["outputs"], omega, damping)
+        except (OSError, ValueError, KeyError, IndexError) as error:
+            raise OutputError(f"the state space in {self.folder} cannot be read: {error}") from error
 
     @property
     def analyses(self) -> dict[str, Result]:

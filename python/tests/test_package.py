@@ -136,6 +136,29 @@ class Runs(unittest.TestCase):
         self.assertEqual(len(result.modes), 7)
         with self.assertRaisesRegex(tegula.OutputError, "no buckling analysis"):
             _ = result.load_factors
+        with self.assertRaisesRegex(tegula.OutputError, "no state space"):
+            _ = result.state_space
+
+    def test_the_state_space_has_the_modes_as_eigenvalues(self) -> None:
+        force = {"type": "edge", "on": "u_max", "value": [0.0, 0.0, 1.0]}
+        inputs = [{"name": "force", "loads": [force]}]
+        analysis = {"type": "modal", "modes": 4, "damping_ratio": 0.01, "inputs": inputs}
+        result = tegula.run(cantilever(analysis=analysis, loads=[]))
+        system = result.state_space
+        states = 2 * len(system.omega)
+        shapes = [matrix.shape for matrix in (system.a, system.b, system.c, system.d)]
+        self.assertEqual(shapes, [(states, states), (states, 1), (3, states), (3, 1)])
+        self.assertEqual((system.inputs, system.outputs), (["force"], ["tip.ux", "tip.uy", "tip.uz"]))
+        np.testing.assert_allclose(system.omega[:4], 2.0 * np.pi * result.frequencies, rtol=1e-12)
+        np.testing.assert_allclose(system.damping_ratio[:4], 0.01, rtol=1e-12)
+        values = np.linalg.eigvals(system.a)
+        lowest = values[np.argmin(np.abs(values))]
+        self.assertLess(abs(-lowest.real / abs(lowest) / 0.01 - 1.0), 1e-9)
+        self.assertLess(abs(abs(lowest) / system.omega[0] - 1.0), 1e-9)
+        # Static response: force/area along the edge.
+        static = system.d - system.c @ np.linalg.solve(system.a, system.b)
+        exact = WIDTH * LENGTH**3 / (3.0 * YOUNG * INERTIA)
+        self.assertLess(abs(static[2, 0] / exact - 1.0), 1e-3)
 
     def test_runs_with_steps_have_the_result_of_each(self) -> None:
         steps = [
