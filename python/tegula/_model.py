@@ -140,9 +140,10 @@ class Model:
         """
         if isinstance(signals, str):
             signals = [signals]
-        for warning in self.check():
+        steps = self._deck.steps(list(signals))
+        for warning in steps.warnings():
             warnings.warn(warning, ModelWarning, stacklevel=2)
-        return Simulation(self._deck.steps(list(signals)))
+        return Simulation(steps)
 
     def __repr__(self) -> str:
         title = f" {self.title!r}" if self.title else ""

@@ -368,8 +368,17 @@ class Simulations(unittest.TestCase):
 
     def test_analyses_without_steps_are_refused(self) -> None:
         keys = cantilever(analysis={"type": "modal", "modes": 1})
-        with self.assertWarns(tegula.ModelWarning), self.assertRaisesRegex(ValueError, "no steps"):
+        with self.assertRaisesRegex(ValueError, "no steps"):
             tegula.Model(keys).simulation()
+
+    def test_simulations_warn_about_their_model(self) -> None:
+        keys = cantilever()
+        keys["mesh"]["origin"] = [1e8, 0.0, 0.0]
+        warned = tegula.Model(keys).check()
+        self.assertTrue(warned)
+        with self.assertWarns(tegula.ModelWarning) as caught:
+            tegula.Model(keys).simulation()
+        self.assertIn(str(caught.warning), warned)
 
     def test_simulations_work_from_several_threads(self) -> None:
         simulation = tegula.Model(cantilever(analysis=SWING)).simulation()

@@ -48,6 +48,7 @@ struct Analysed {
 pub struct Steps {
     analysed: Mutex<Analysed>,
     columns: Vec<String>,
+    warnings: Vec<String>,
 }
 
 impl Steps {
@@ -79,6 +80,7 @@ impl Steps {
         }
         let rows = HistoryRows::new(&prepared.model, &prepared);
         let columns = rows.columns().to_vec();
+        let warnings = prepared.warnings.iter().map(ToString::to_string).collect();
         let running = Running::try_new(prepared, begun)?;
         let analysed = Analysed {
             running,
@@ -89,7 +91,7 @@ impl Steps {
             signals: given,
             limited: false,
         };
-        Ok(Self { analysed: Mutex::new(analysed), columns })
+        Ok(Self { analysed: Mutex::new(analysed), columns, warnings })
     }
 
     fn lock(&self, py: Python<'_>) -> MutexGuard<'_, Analysed> {
@@ -233,6 +235,11 @@ impl Steps {
     /// Names of the signals.
     fn signals(&self, py: Python<'_>) -> Vec<String> {
         self.lock(py).signals.keys().cloned().collect()
+    }
+
+    /// Warnings about the model.
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
     }
 
     /// Names of the columns of a row.
