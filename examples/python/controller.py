@@ -11,7 +11,8 @@ import tegula
 WIDTH, THICKNESS, DENSITY, DAMPING = 0.1, 0.01, 7850.0, 5.0
 
 strip = tegula.Model({
-    "analysis": {"type": "transient", "end_time": 1.0, "time_step": 1e-3},
+    "analysis": {"type": "transient", "end_time": 1.0, "time_step": 1e-3,
+                 "scheme": {"type": "energy-momentum"}},
     "mesh": {"type": "plate", "size": [1.0, WIDTH], "grid": {"elements": [16, 2]}},
     "materials": {"steel": {"type": "isotropic", "young": 2.1e11, "poisson": 0.0, "density": DENSITY}},
     "sections": [{"material": "steel", "thickness": THICKNESS}],

@@ -55,7 +55,7 @@ def swing(gain: np.ndarray) -> float:
     """Damping ratio of the arm's swing, from the decay of the energy in the first mode."""
     motion = tegula.Model({
         **arm,
-        "analysis": {"type": "transient", "end_time": END, "time_step": STEP},
+        "analysis": {"type": "transient", "end_time": END, "time_step": STEP, "scheme": {"type": "energy-momentum"}},
         "amplitudes": {"control": {"type": "constant", "value": 0.0}},
         "loads": [{**force, "amplitude": "control"}],
         "initial_velocities": [{"on": "all", "angular_velocity": [0.0, -0.5, 0.0]}],

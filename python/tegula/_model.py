@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import tempfile
 import warnings
@@ -15,6 +16,21 @@ from ._errors import AnalysisError, ModelWarning
 from ._result import Result
 from ._simulation import Simulation
 from ._tegula import Deck
+
+
+_threads_of: int | None = None
+
+
+def _use_threads() -> None:
+    """Refuses to compute in a process that was forked after its parent has computed: the threads are not there."""
+    global _threads_of
+    if _threads_of is None:
+        _threads_of = os.getpid()
+    if _threads_of != os.getpid():
+        raise RuntimeError(
+            "this process was forked from one that has computed with tegula already, whose threads it does not have: start "
+            'processes with multiprocessing.get_context("spawn") or "forkserver"'
+        )
 
 
 class Progress(NamedTuple):
@@ -50,11 +66,12 @@ class Model:
     `check`, `run` and `simulation`.
     """
 
-    __slots__ = ("_deck",)
+    __slots__ = ("__weakref__", "_deck")
     _deck: Deck
 
     def __init__(self, keys: dict[str, Any], *, folder: str | PathLike[str] = "") -> None:
-        self._deck = Deck.parse(Path(folder) / "<dict>", Deck.text_of(keys))
+        base = Path(folder).absolute() if fspath(folder) else Path()
+        self._deck = Deck.parse(base / "<dict>", Deck.text_of(keys))
 
     @classmethod
     def read(cls, path: str | PathLike[str]) -> Model:
@@ -91,6 +108,7 @@ class Model:
 
         Raises `ModelError` with everything that is wrong.
         """
+        _use_threads()
         return self._deck.check()
 
     def run(
@@ -105,12 +123,16 @@ class Model:
 
         `out` is the result folder; without it the results are in a temporary folder that lasts as long as the `Result`.
         `resume` restarts from the checkpoint of an interrupted run, `force` replaces the results of another model.
-        `progress` is called after each step; an exception in it ends the run after that step, and the run can be resumed.
+        `progress` is called at the start (step 0) and after each step, but not in modal and buckling analyses; an exception in
+        it ends the run after that step, and the run can be resumed.
 
         Other threads of Python run meanwhile. Ctrl-C ends the run after the step with `KeyboardInterrupt`. Raises
         `ModelError`, `AnalysisError`, `OutputError`.
         """
+        _use_threads()
         temporary = None
+        if out is not None and not fspath(out):
+            raise ValueError("the result folder `out` is an empty text; leave it out for a temporary folder")
         if out is None:
             if resume:
                 raise ValueError("a run is resumed in its result folder: give `out`")
@@ -133,11 +155,13 @@ class Model:
         """Begins the static, path or transient analysis of the model, to be advanced step by step.
 
         `signals` names amplitudes whose values are set between the steps: loads, motions and drives that follow such an
-        amplitude take the value that `Simulation.set` gives it, constant within a step. They act in transient analyses.
+        amplitude take the value that `Simulation.set` gives it, constant within a step. They act in transient analyses with
+        the scheme `energy-momentum`.
 
         Raises `ModelError` where the model is wrong, `KeyError` for an unknown amplitude, `ValueError` for analyses without
         steps.
         """
+        _use_threads()
         if isinstance(signals, str):
             signals = [signals]
         steps = self._deck.steps(list(signals))

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import warnings
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,13 +17,15 @@ from numpy.typing import NDArray
 from ._errors import OutputError
 
 
-class Frame(NamedTuple):
+@dataclass(frozen=True)
+class Frame:
     """A file with the fields of one instant."""
 
     time: float
     """Time, load factor, or number of a mode, as in the list of the files."""
     path: Path
     """The VTU file."""
+    _keep: object = field(default=None, repr=False, compare=False)
 
     def to_meshio(self) -> Any:
         """The mesh with its fields as a `meshio.Mesh`; needs the package meshio."""
@@ -43,7 +47,12 @@ class Table(Mapping[str, NDArray[np.float64]]):
         try:
             with path.open(encoding="utf-8") as file:
                 names = file.readline().rstrip("\n").split(",")
-                values = np.loadtxt(file, delimiter=",", ndmin=2) if names != [""] else np.empty((0, 0))
+                if names == [""]:
+                    raise ValueError("it is empty")
+                with warnings.catch_warnings():
+                    # A table may have no rows.
+                    warnings.simplefilter("ignore", UserWarning)
+                    values = np.loadtxt(file, delimiter=",", ndmin=2)
         except OSError as error:
             raise OutputError(f"the table {path} cannot be read: {error}") from error
         except ValueError as error:
@@ -115,6 +124,8 @@ class Result:
             raise OutputError(f"{self.folder} is no result folder of a run: {error}") from error
         except ValueError as error:
             raise OutputError(f"{path} is damaged: {error}") from error
+        if not (isinstance(self.summary, dict) and {"status", "analysis"} <= self.summary.keys()):
+            raise OutputError(f"{path} is damaged: it has no status and no analysis")
         self._tables: dict[str, Table] = {}
 
     @property
@@ -136,6 +147,10 @@ class Result:
     @property
     def history(self) -> Table:
         """Columns of the history by their names, a row a step: `time`, `tip.uz`, `kinetic`."""
+        if self.summary.get("analyses"):
+            raise OutputError("each of several analyses has a history of its own: take one of `analyses`")
+        if self.summary["analysis"] in ("modal", "buckling"):
+            raise OutputError(f"a {self.summary['analysis']} analysis has no history: look at `modes`")
         return self.table("history.csv")
 
     @property
@@ -169,7 +184,7 @@ class Result:
             return []
         try:
             sets = ET.parse(path).getroot().iter("DataSet")
-            return [Frame(float(s.attrib["timestep"]), self.folder / s.attrib["file"]) for s in sets]
+            return [Frame(float(s.attrib["timestep"]), self.folder / s.attrib["file"], self._keep) for s in sets]
         except (OSError, ET.ParseError, KeyError, ValueError) as error:
             raise OutputError(f"{path} cannot be read: {error}") from error
 
@@ -194,6 +209,20 @@ class Result:
         """Results of the analyses of a run with `[[steps]]`, by their names."""
         steps = self.summary.get("analyses") or []
         return {s["name"]: Result(self.folder / s["folder"], _keep=self._keep) for s in steps if s.get("status")}
+
+    def __copy__(self) -> Result:
+        return Result(self.folder, _keep=self._keep)
+
+    def __deepcopy__(self, memo: object) -> Result:
+        return self.__copy__()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._keep is not None:
+            raise TypeError(
+                "results in a temporary folder end with their process and are not pickled: give run() a folder, or return "
+                "the numbers that are wanted"
+            )
+        return Result, (self.folder,)
 
     def __repr__(self) -> str:
         return f"<tegula.Result {self.summary['analysis']}, {self.status}, in {self.folder}>"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import NamedTuple
 
 import numpy as np
@@ -40,17 +41,21 @@ class Simulation:
     when the simulation goes on. Nodes are rows in the order of the mesh.
     """
 
-    __slots__ = ("_steps",)
+    __slots__ = ("__weakref__", "_process", "_steps")
 
     def __init__(self, steps: Steps) -> None:
         self._steps = steps
+        self._process = os.getpid()
 
     def advance(self, steps: int = 1) -> int:
-        """Takes `steps` steps; returns the iterations of the last one.
+        """Takes `steps` steps; returns the iterations of the last one. A step of an explicit scheme is a number of time steps.
 
         Raises `AnalysisError` where a step fails, and the state is still that before it; `ValueError` at the end of the
-        analysis. Other threads of Python run meanwhile; Ctrl-C is noticed between steps.
+        analysis. Warnings of the analysis are `ModelWarning`s. Other threads of Python run meanwhile; Ctrl-C is noticed between
+        steps.
         """
+        if self._process != os.getpid():
+            raise RuntimeError("this simulation belongs to the process that this one was forked from, with its threads")
         if steps < 1:
             raise ValueError(f"advance takes at least one step, not {steps}")
         return self._steps.advance(steps)
@@ -88,7 +93,7 @@ class Simulation:
 
     @property
     def finished(self) -> bool:
-        """Whether the analysis has come to its end."""
+        """Whether the analysis has come to an end: at its `end`, or of a path where its keys end it."""
         return self._steps.finished()
 
     @property

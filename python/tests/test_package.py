@@ -42,7 +42,8 @@ def cantilever(**changes: Any) -> dict[str, Any]:
     return {**keys, **changes}
 
 
-SWING = {"type": "transient", "end_time": 0.05, "time_step": 1e-3}
+SCHEME = {"type": "energy-momentum"}
+SWING: dict[str, Any] = {"type": "transient", "end_time": 0.05, "time_step": 1e-3, "scheme": SCHEME}
 
 
 class Models(unittest.TestCase):
@@ -138,6 +139,8 @@ class Runs(unittest.TestCase):
             _ = result.load_factors
         with self.assertRaisesRegex(tegula.OutputError, "no state space"):
             _ = result.state_space
+        with self.assertRaisesRegex(tegula.OutputError, "no history"):
+            _ = result.history
 
     def test_the_state_space_has_the_modes_as_eigenvalues(self) -> None:
         force = {"type": "edge", "on": "u_max", "value": [0.0, 0.0, 1.0]}
@@ -179,6 +182,38 @@ class Runs(unittest.TestCase):
         with self.assertRaisesRegex(tegula.OutputError, "cantilever_plate.toml"):
             other.run(self.out)
         self.assertEqual(other.run(self.out, force=True).summary["title"], "another")
+        again = tegula.Model(cantilever(title="a third one"))
+        with self.assertRaisesRegex(tegula.OutputError, "`force=True`"):
+            again.run(self.out)
+        other.run(self.out)
+        with self.assertRaisesRegex(ValueError, "empty"):
+            other.run("")
+
+    def test_forked_processes_are_told_that_they_have_no_threads(self) -> None:
+        program = (
+            "import os, tegula\n"
+            f"model = tegula.Model.from_toml({tegula.Model(cantilever()).text!r})\n"
+            "model.check()\n"
+            "if os.fork() == 0:\n"
+            "    try:\n"
+            "        model.run()\n"
+            "    except RuntimeError as error:\n"
+            "        print(error, flush=True)\n"
+            "    os._exit(0)\n"
+            "os.wait()\n"
+        )
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+        self.assertIn('get_context("spawn")', done.stdout)
+
+    def test_results_in_temporary_folders_stay_with_their_process(self) -> None:
+        result = tegula.run(cantilever())
+        frame = copy.deepcopy(result).frames[-1]
+        with self.assertRaisesRegex(TypeError, "temporary"):
+            pickle.dumps(result)
+        del result
+        self.assertTrue(frame.path.exists())
+        kept = tegula.Model(cantilever()).run(self.out)
+        self.assertEqual(pickle.loads(pickle.dumps(kept)).summary, kept.summary)
 
     def test_failures_name_the_cause_and_keep_the_results_so_far(self) -> None:
         # The column buckles before full load.
@@ -260,9 +295,14 @@ class Runs(unittest.TestCase):
         result = tegula.Model(cantilever()).run(self.out)
         with self.assertRaisesRegex(KeyError, "tip.uz"):
             _ = result.history["tip.u"]
-        (self.out / "history.csv").write_text("time,a\n1,2,3\n")
-        with self.assertRaisesRegex(tegula.OutputError, "damaged"):
-            _ = tegula.Result(self.out).history
+        for damaged in ("time,a\n1,2,3\n", "", "time\n0.0\nx\n"):
+            (self.out / "history.csv").write_text(damaged)
+            with self.assertRaisesRegex(tegula.OutputError, "damaged"):
+                _ = tegula.Result(self.out).history
+        for damaged in ("{}", "[]", "null", "{"):
+            (self.out / "summary.json").write_text(damaged)
+            with self.assertRaisesRegex(tegula.OutputError, "damaged"):
+                tegula.Result(self.out)
 
 
 class Simulations(unittest.TestCase):
@@ -320,6 +360,14 @@ class Simulations(unittest.TestCase):
         keys["analysis"] = {"type": "static"}
         with self.assertRaisesRegex(ValueError, "transient"):
             tegula.Model(keys).simulation(signals=["push"])
+        for scheme in ("newmark", "hht", "generalized-alpha", "bdf2", "explicit"):
+            keys["analysis"] = {**SWING, "scheme": {"type": scheme}}
+            with self.assertRaisesRegex(ValueError, "energy-momentum"):
+                tegula.Model(keys).simulation(signals=["push"])
+        keys["analysis"] = SWING
+        keys["conditions"].append({"type": "prescribe", "on": "u_max", "component": "y", "value": 1.0, "amplitude": "push"})
+        with self.assertRaisesRegex(ValueError, "moves supports"):
+            tegula.Model(keys).simulation(signals=["push"])
 
     def test_values_refer_to_the_last_step_whatever_is_set_for_the_next_one(self) -> None:
         keys = cantilever(analysis=SWING, amplitudes={"push": {"type": "constant", "value": 1.0}})
@@ -337,8 +385,58 @@ class Simulations(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "push"):
                 simulation.set("push", value)
 
+    def test_the_work_of_signals_is_the_energy_that_the_model_gains(self) -> None:
+        keys = cantilever(analysis=SWING, conditions=[], amplitudes={"push": {"type": "constant", "value": 0.0}})
+        keys["loads"][0]["amplitude"] = "push"
+        simulation = tegula.Model(keys).simulation(signals=["push"])
+        momentum, step = 0.0, SWING["time_step"]
+        for value in (2.0, 0.0, 0.0, -4.0, 0.0, 1.0):
+            simulation.set("push", value)
+            simulation.advance()
+            momentum += value * LOAD * WIDTH * step
+            energies = simulation.energies
+            self.assertLess(abs(simulation.values()["pz"] - momentum), 1e-9 * abs(LOAD) * step)
+            self.assertLess(abs(energies.kinetic + energies.strain - energies.work), 1e-9 * energies.kinetic)
+
+    def test_a_joint_that_a_signal_drives_turns_its_body(self) -> None:
+        body = {"name": "wheel", "at": [0.0, 0.0, 0.0], "mass": 1.0, "inertia": [1.0, 1.0, 1.0]}
+        pivot = {"type": "revolute", "name": "pivot", "between": ["ground", "wheel"], "at": [0.0, 0.0, 0.0],
+                 "axis": [0.0, 0.0, 1.0]}
+        motor = {"type": "driven-angle", "name": "motor", "between": ["ground", "wheel"], "axis": [0.0, 0.0, 1.0],
+                 "angle": 180.0 / np.pi, "amplitude": "angle"}
+        keys = {"analysis": SWING, "bodies": [body], "joints": [pivot, motor],
+                "amplitudes": {"angle": {"type": "constant", "value": 0.0}}}
+        simulation = tegula.Model(keys).simulation(signals=["angle"])
+        acceleration = 3.0
+        while not simulation.finished:
+            end = simulation.time + SWING["time_step"]
+            simulation.set("angle", 0.5 * acceleration * end**2)
+            simulation.advance()
+        speed = acceleration * simulation.time
+        self.assertLess(abs(simulation.values()["lz"] / speed - 1.0), 0.02)
+        self.assertLess(abs(simulation.energies.work / (0.5 * speed**2) - 1.0), 0.05)
+
+    def test_a_failed_step_leaves_the_state_as_it_was(self) -> None:
+        keys = cantilever(analysis=SWING)
+        keys["amplitudes"] = {"push": {"type": "constant", "value": 0.0}}
+        keys["loads"][0]["amplitude"] = "push"
+        one, other = (tegula.Model(keys).simulation(signals=["push"]) for _ in range(2))
+        one.advance()
+        other.advance()
+        one.set("push", 1e300)
+        before = one.values()
+        with self.assertRaises(tegula.AnalysisError):
+            one.advance()
+        self.assertEqual(one.values(), before)
+        for simulation in (one, other):
+            simulation.set("push", 1e-6)
+            simulation.advance()
+        self.assertEqual(one.time, other.time)
+        scale = np.abs(other.displacements).max()
+        np.testing.assert_allclose(one.displacements, other.displacements, rtol=0.0, atol=1e-6 * scale)
+
     def test_steps_are_repeated_with_other_signals(self) -> None:
-        for analysis in (SWING, {"type": "transient", "end_time": 0.05}):
+        for analysis in (SWING, {**SWING, "time_step": None}):
             keys = cantilever(analysis=analysis, amplitudes={"push": {"type": "constant", "value": 1.0}})
             keys["loads"][0]["amplitude"] = "push"
             one, other = (tegula.Model(keys).simulation(signals=["push"]) for _ in range(2))

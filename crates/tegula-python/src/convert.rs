@@ -60,7 +60,12 @@ fn value_at(value: &Bound<'_, PyAny>, at: &str, depth: usize) -> PyResult<Value>
         list(items.iter().collect())
     } else if value.hasattr("tolist")? {
         // Numbers and arrays of NumPy.
-        value_at(&value.call_method0("tolist")?, at, depth + 1)
+        let plain = value.call_method0("tolist")?;
+        if plain.get_type().is(value.get_type()) {
+            // Numbers with more digits than Python's.
+            return Ok(Value::Float(value.extract()?));
+        }
+        value_at(&plain, at, depth + 1)
     } else if value.hasattr("__fspath__")? {
         value_at(&value.call_method0("__fspath__")?, at, depth + 1)
     } else {

@@ -25,6 +25,13 @@ pub fn of_analysis(error: &tegula::Error, folder: Option<&Path>) -> PyErr {
     AnalysisError::new_err((error.to_string(), folder.map(|folder| folder.display().to_string())))
 }
 
+/// Advice for the command line as that for Python.
+fn in_python(message: &str) -> String {
+    [("`--out`", "`out`"), ("`--force`", "`force=True`"), ("`--resume`", "`resume=True`")]
+        .iter()
+        .fold(message.to_owned(), |text, (option, argument)| text.replace(option, argument))
+}
+
 /// Exception of a run.
 pub fn of_run(error: JobError) -> PyErr {
     match error {
@@ -37,6 +44,6 @@ pub fn of_run(error: JobError) -> PyErr {
                 folder.display()
             ))
         }
-        other => OutputError::new_err(other.to_string()),
+        other => OutputError::new_err(in_python(&other.to_string())),
     }
 }

@@ -4,6 +4,7 @@ mod convert;
 mod failure;
 mod model;
 mod simulation;
+mod threads;
 mod watch;
 
 #[pyo3::pymodule]

@@ -8,6 +8,7 @@ use tegula_io::deck;
 use tegula_io::job::{self, JobOptions};
 
 use crate::simulation::Steps;
+use crate::threads::compute;
 use crate::watch::Watch;
 use crate::{convert, failure};
 
@@ -63,7 +64,7 @@ impl Deck {
 
     /// Warnings about a model that can be computed.
     fn check(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        let prepared = py.detach(|| job::prepare(&self.0)).map_err(failure::of_run)?;
+        let prepared = compute(py, || job::prepare(&self.0))?.map_err(failure::of_run)?;
         Ok(prepared.warnings.iter().map(ToString::to_string).collect())
     }
 
@@ -78,7 +79,7 @@ impl Deck {
     ) -> PyResult<()> {
         let options = JobOptions { folder, resume, force };
         let mut watch = Watch::new(progress);
-        let outcome = py.detach(|| job::run(&self.0, &options, &mut watch));
+        let outcome = compute(py, || job::run(&self.0, &options, &mut watch))?;
         match (outcome, watch.raised()) {
             (_, Some(raised)) => Err(raised),
             (outcome, None) => outcome.map(|_| ()).map_err(failure::of_run),
@@ -87,6 +88,6 @@ impl Deck {
 
     /// The analysis of the model, step by step. The amplitudes named become signals.
     fn steps(&self, py: Python<'_>, signals: Vec<String>) -> PyResult<Steps> {
-        py.detach(|| Steps::new(&self.0, &signals))
+        compute(py, || Steps::new(&self.0, &signals))?
     }
 }

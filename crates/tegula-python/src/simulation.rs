@@ -8,14 +8,17 @@ use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use self_cell::self_cell;
-use tegula::analysis::{Silent, State, Stepper, dynamics, path, statics};
+use tegula::System;
+use tegula::analysis::{Observer, Silent, State, Step, Stepper, dynamics, path, statics};
 use tegula::element::Nodal;
 use tegula::load::Signal;
-use tegula::model::Analysis;
+use tegula::model::{Analysis, Scheme, TransientAnalysis};
 use tegula_io::deck::Deck;
 use tegula_io::job::{self, HistoryRows, Prepared};
 
 use crate::failure;
+use crate::threads::compute;
+use crate::watch::warn;
 
 type Borrowed<'a> = Box<dyn Stepper + 'a>;
 
@@ -41,6 +44,8 @@ struct Analysed {
     applied: Vec<f64>,
     /// The last step ends where the attempt that it repeats has ended.
     limited: bool,
+    /// Warnings of the analysis that Python has not had yet.
+    warned: Warned,
 }
 
 /// The analysis of a model, step by step.
@@ -63,19 +68,18 @@ impl Steps {
                 "a model with `[[steps]]` is run as a whole: use run(), or give it an `[analysis]` of its own",
             ));
         }
-        if !signals.is_empty() && !matches!(prepared.model.analysis, Analysis::Transient(_)) {
-            // The start of a load step would be no equilibrium, and load steps would take its release of energy for a snap.
-            return Err(PyValueError::new_err(
-                "signals act in transient analyses; of a static one run a model for each value, or give the amplitude a table",
-            ));
+        if !signals.is_empty() {
+            takes_signals(&prepared.model.analysis)?;
         }
         let mut given = BTreeMap::new();
         for name in signals {
-            let signal = prepared.system.signal(name).ok_or_else(|| {
+            moves_no_supports(&prepared.system, name)?;
+            let unknown = || {
                 PyKeyError::new_err(format!(
-                    "the model has no amplitude \"{name}\" that a load or motion follows"
+                    "the model has no amplitude \"{name}\" that a load or drive follows"
                 ))
-            })?;
+            };
+            let signal = prepared.system.signal(name).ok_or_else(unknown)?;
             given.insert(name.clone(), signal);
         }
         let rows = HistoryRows::new(&prepared.model, &prepared);
@@ -90,6 +94,7 @@ impl Steps {
             applied: given.values().map(Signal::value).collect(),
             signals: given,
             limited: false,
+            warned: Warned::default(),
         };
         Ok(Self { analysed: Mutex::new(analysed), columns, warnings })
     }
@@ -102,6 +107,51 @@ impl Steps {
     /// Reads the present state.
     fn read<T>(&self, py: Python<'_>, read: impl FnOnce(&Prepared, &dyn Stepper) -> T) -> T {
         self.lock(py).running.with_dependent(|prepared, stepper| read(prepared, stepper.as_ref()))
+    }
+}
+
+/// Refuses signals in analyses that cannot hold a value constant within a step.
+fn takes_signals(analysis: &Analysis) -> PyResult<()> {
+    match analysis {
+        Analysis::Transient(TransientAnalysis { scheme: Scheme::EnergyMomentum(_), .. }) => Ok(()),
+        // Other schemes evaluate loads and drives at the end of a step, too, where the value of the next one acts already.
+        Analysis::Transient(_) => Err(PyValueError::new_err(
+            "signals are constant within a step only with the scheme `energy-momentum`: give the analysis \
+             scheme = {type = \"energy-momentum\"}",
+        )),
+        // The start of a load step would be no equilibrium, and its release of energy would be taken for a snap.
+        _ => Err(PyValueError::new_err(
+            "signals act in transient analyses; of a static one run a model for each value, or give the amplitude a table",
+        )),
+    }
+}
+
+/// Refuses signals that move supports: their velocity would be unknown.
+fn moves_no_supports(system: &System, amplitude: &str) -> PyResult<()> {
+    let follows =
+        |number: Option<usize>| number.is_some_and(|number| system.amplitude_name(number) == amplitude);
+    if system.dofs().prescribed.iter().any(|prescribed| follows(prescribed.amplitude)) {
+        return Err(PyValueError::new_err(format!(
+            "the amplitude \"{amplitude}\" moves supports (`prescribe`), whose velocity a signal does not give: drive a joint, or a \
+             body that the nodes are attached to"
+        )));
+    }
+    Ok(())
+}
+
+/// Observer that keeps warnings.
+#[derive(Default)]
+struct Warned(Vec<String>);
+
+impl Observer for Warned {
+    fn on_step(&mut self, _step: &Step) -> tegula::Result<()> {
+        Ok(())
+    }
+
+    fn on_event(&mut self, _message: &str) {}
+
+    fn on_warning(&mut self, message: &str) {
+        self.0.push(message.to_owned());
     }
 }
 
@@ -123,13 +173,20 @@ fn begun(prepared: &Prepared) -> PyResult<Borrowed<'_>> {
 
 impl Analysed {
     fn advance(&mut self) -> PyResult<()> {
-        let Self { running, before, iterations, signals, applied, limited, .. } = self;
+        let Self { running, before, iterations, signals, applied, limited, warned, .. } = self;
         running.with_dependent_mut(|_, stepper| {
             if stepper.is_finished() {
                 return Err(PyValueError::new_err("the analysis has come to its end"));
             }
             let start = stepper.state().clone();
-            *iterations = stepper.advance(&mut Silent).map_err(|error| failure::of_analysis(&error, None))?;
+            match stepper.advance(warned) {
+                Ok(number) => *iterations = number,
+                Err(error) => {
+                    // The step length of the last attempt is forgotten, too.
+                    stepper.repeat(&start, f64::INFINITY);
+                    return Err(failure::of_analysis(&error, None));
+                }
+            }
             *before = start;
             applied.clear();
             applied.extend(signals.values().map(Signal::value));
@@ -204,8 +261,11 @@ impl Steps {
         for _ in 0..steps {
             let mut guard = self.lock(py);
             let analysed = &mut *guard;
-            py.detach(|| analysed.advance())?;
+            let outcome = compute(py, || analysed.advance())?;
+            let warned = std::mem::take(&mut analysed.warned.0);
             drop(guard);
+            warned.iter().try_for_each(|message| warn(py, message, 3))?;
+            outcome?;
             py.check_signals()?;
         }
         Ok(self.lock(py).iterations)
@@ -215,7 +275,7 @@ impl Steps {
     fn repeat(&self, py: Python<'_>) -> PyResult<()> {
         let mut guard = self.lock(py);
         let analysed = &mut *guard;
-        py.detach(|| analysed.repeat())
+        compute(py, || analysed.repeat())?
     }
 
     /// Sets the value of a signal for the steps to come; a step that another thread takes is waited for.
@@ -248,10 +308,10 @@ impl Steps {
     }
 
     /// Row of the history for the last step.
-    fn row<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+    fn row<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let mut guard = self.lock(py);
         let analysed = &mut *guard;
-        py.detach(|| analysed.row()).into_pyarray(py)
+        Ok(compute(py, || analysed.row())?.into_pyarray(py))
     }
 
     /// Time (load factor), and that at which the analysis ends.

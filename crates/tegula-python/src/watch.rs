@@ -32,6 +32,12 @@ impl Watch {
     }
 }
 
+/// Gives a warning at the place of the caller, `level` calls above.
+pub fn warn(py: Python<'_>, message: &str, level: u32) -> PyResult<()> {
+    let category = py.import("tegula._errors")?.getattr("ModelWarning")?;
+    py.import("warnings")?.call_method1("warn", (message, category, level)).map(|_| ())
+}
+
 impl JobObserver for Watch {
     fn on_step(&mut self, progress: &Progress) {
         let Some(function) = &self.progress else { return };
@@ -42,11 +48,7 @@ impl JobObserver for Watch {
     }
 
     fn on_warning(&mut self, message: &str) {
-        let warn = |py: Python<'_>| {
-            let category = py.import("tegula._errors")?.getattr("ModelWarning")?;
-            py.import("warnings")?.call_method1("warn", (message, category)).map(|_| ())
-        };
-        self.keep(Python::attach(warn));
+        self.keep(Python::attach(|py| warn(py, message, 3)));
     }
 
     fn interrupted(&self) -> bool {

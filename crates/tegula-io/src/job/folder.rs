@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use super::summary::Summary;
 use super::{JobError, Status, campbell, response, series};
-use crate::deck::STANDARD_INPUT;
 use crate::out::{OutputError, PvdSeries, printable, vtu};
 
 /// Names of the files that a run leaves, beside the numbered field files and the pictures of
@@ -314,7 +313,8 @@ fn same_model(earlier: &Summary, claim: &Claim<'_>) -> bool {
     if earlier.fingerprint == format!("{:016x}", claim.fingerprint) {
         return true;
     }
-    if claim.model == Path::new(STANDARD_INPUT) {
+    // The standard input, and texts of other programs: their names, in angle brackets, tell nothing about the model.
+    if claim.model.file_name().is_some_and(|name| name.to_string_lossy().starts_with('<')) {
         return false;
     }
     let before = Path::new(earlier.model_path.as_ref().unwrap_or(&earlier.model));
