@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -78,4 +79,10 @@ class OutputError(TegulaError):
 
 
 class ModelWarning(UserWarning):
-    """The model can be computed but is most likely not intended, or results are unreliable."""
+    """Warning of a model that can be computed but is most likely not what was meant, or of unreliable results."""
+
+
+def warn(messages: list[str], stacklevel: int) -> None:
+    """Gives warnings at the place of a caller, `stacklevel` calls above."""
+    for message in messages:
+        warnings.warn(message, ModelWarning, stacklevel=stacklevel + 1)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import tempfile
-import warnings
 import weakref
 from collections.abc import Callable, Iterable
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ._errors import AnalysisError, ModelWarning
+from ._errors import AnalysisError, OutputError, warn
 from ._result import Result
 from ._simulation import Simulation
 from ._tegula import Deck
@@ -22,7 +22,7 @@ _threads_of: int | None = None
 
 
 def _use_threads() -> None:
-    """Refuses to compute in a process that was forked after its parent has computed: the threads are not there."""
+    """Refuses to compute in a process that was forked after its parent had computed: the threads are not there."""
     global _threads_of
     if _threads_of is None:
         _threads_of = os.getpid()
@@ -48,7 +48,7 @@ class Progress(NamedTuple):
     """Iterations of the step."""
 
 
-class TemporaryFolder:
+class _TemporaryFolder:
     """A folder that is removed with the last reference to it."""
 
     def __init__(self) -> None:
@@ -95,12 +95,20 @@ class Model:
         return self._deck.title
 
     @property
+    def path(self) -> Path:
+        """Path of the model file; of a model from a dictionary or a text, a name in angle brackets beside its files."""
+        return self._deck.path
+
+    @property
     def text(self) -> str:
         """Text of the model file."""
         return self._deck.text
 
     def keys(self) -> dict[str, Any]:
-        """Keys of the model file as a dictionary, a copy: change it and make another model of it."""
+        """Keys of the model file as a dictionary, a copy: change it and make another model of it, with the same files:
+
+        `tegula.Model(keys, folder=model.path.parent)`.
+        """
         return self._deck.as_dict()
 
     def check(self) -> list[str]:
@@ -118,15 +126,17 @@ class Model:
         resume: bool = False,
         force: bool = False,
         progress: Callable[[Progress], object] | None = None,
+        _stacklevel: int = 2,
     ) -> Result:
         """Runs the model, as `tegula run` does.
 
         `out` is the result folder; without it the results are in a temporary folder that lasts as long as the `Result`.
         `resume` restarts from the checkpoint of an interrupted run, `force` replaces the results of another model.
         `progress` is called at the start (step 0) and after each step, but not in modal and buckling analyses; an exception in
-        it ends the run after that step, and the run can be resumed.
+        it ends the run after that step, and where `out` is given the run can be resumed. Outside Python's main thread it is
+        called in a thread of the computation.
 
-        Other threads of Python run meanwhile. Ctrl-C ends the run after the step with `KeyboardInterrupt`. Raises
+        Warnings of the run are `ModelWarning`s at its end. Other threads of Python run meanwhile. Ctrl-C ends the run after the step with `KeyboardInterrupt`. Raises
         `ModelError`, `AnalysisError`, `OutputError`.
         """
         _use_threads()
@@ -136,7 +146,7 @@ class Model:
         if out is None:
             if resume:
                 raise ValueError("a run is resumed in its result folder: give `out`")
-            temporary = TemporaryFolder()
+            temporary = _TemporaryFolder()
             out = temporary.path / "result"
         report = progress
 
@@ -145,10 +155,16 @@ class Model:
             report(Progress(step, time, end, step_size, iterations))
 
         try:
-            self._deck.run(fspath(out), resume, force, None if progress is None else on_step)
+            found = self._deck.run(fspath(out), resume, force, None if progress is None else on_step)
         except AnalysisError as error:
-            error.result = Result(out, _keep=temporary)
+            with contextlib.suppress(OutputError):
+                error.result = Result(out, _keep=temporary)
             raise
+        except KeyboardInterrupt:
+            if temporary is not None:
+                raise KeyboardInterrupt("interrupted: the results were in a temporary folder") from None
+            raise
+        warn(found, _stacklevel)
         return Result(out, _keep=temporary)
 
     def simulation(self, *, signals: Iterable[str] = ()) -> Simulation:
@@ -165,8 +181,7 @@ class Model:
         if isinstance(signals, str):
             signals = [signals]
         steps = self._deck.steps(list(signals))
-        for warning in steps.warnings():
-            warnings.warn(warning, ModelWarning, stacklevel=2)
+        warn(steps.warnings(), 2)
         return Simulation(steps)
 
     def __repr__(self) -> str:
@@ -202,4 +217,4 @@ def run(
         model = Model(model)
     elif not isinstance(model, Model):
         model = Model.read(model)
-    return model.run(out, resume=resume, force=force, progress=progress)
+    return model.run(out, resume=resume, force=force, progress=progress, _stacklevel=3)

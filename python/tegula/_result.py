@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import warnings
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -49,17 +48,13 @@ class Table(Mapping[str, NDArray[np.float64]]):
                 names = file.readline().rstrip("\n").split(",")
                 if names == [""]:
                     raise ValueError("it is empty")
-                with warnings.catch_warnings():
-                    # A table may have no rows.
-                    warnings.simplefilter("ignore", UserWarning)
-                    values = np.loadtxt(file, delimiter=",", ndmin=2)
+                lines = file.readlines()
+                values = np.loadtxt(lines, delimiter=",", ndmin=2) if lines else np.empty((0, len(names)))
         except OSError as error:
             raise OutputError(f"the table {path} cannot be read: {error}") from error
         except ValueError as error:
             raise OutputError(f"the table {path} is damaged: {error}") from error
-        if values.size == 0:
-            values = np.empty((0, len(names)))
-        elif values.shape[1] != len(names):
+        if values.shape[1] != len(names):
             raise OutputError(f"the table {path} is damaged: it has {values.shape[1]} columns for {len(names)} names")
         self._columns = dict(zip(names, values.T.copy(), strict=True))
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ._errors import warn
 from ._tegula import Steps
 
 
@@ -41,11 +42,17 @@ class Simulation:
     when the simulation goes on. Nodes are rows in the order of the mesh.
     """
 
-    __slots__ = ("__weakref__", "_process", "_steps")
+    __slots__ = ("__weakref__", "_made", "_process")
 
     def __init__(self, steps: Steps) -> None:
-        self._steps = steps
+        self._made = steps
         self._process = os.getpid()
+
+    @property
+    def _steps(self) -> Steps:
+        if self._process != os.getpid():
+            raise RuntimeError("this simulation belongs to the process that this one was forked from, with its threads")
+        return self._made
 
     def advance(self, steps: int = 1) -> int:
         """Takes `steps` steps; returns the iterations of the last one. A step of an explicit scheme is a number of time steps.
@@ -54,17 +61,17 @@ class Simulation:
         analysis. Warnings of the analysis are `ModelWarning`s. Other threads of Python run meanwhile; Ctrl-C is noticed between
         steps.
         """
-        if self._process != os.getpid():
-            raise RuntimeError("this simulation belongs to the process that this one was forked from, with its threads")
         if steps < 1:
             raise ValueError(f"advance takes at least one step, not {steps}")
-        return self._steps.advance(steps)
+        iterations, found = self._steps.advance(steps)
+        warn(found, 2)
+        return iterations
 
     def repeat(self) -> None:
-        """Goes back to the start of the last step, to take it again with other signals.
+        """Undoes the last step, to take it again with other signals.
 
-        The step ends at the same time when it is taken again, so that another program is coupled by iterations within each
-        step. Raises `ValueError` before the first step, and where the last step has been gone back already.
+        The step ends at the same time when it is taken again, so another program can be coupled by iterations within each step.
+        Raises `ValueError` before the first step, and if the last step has already been undone.
         """
         self._steps.repeat()
 
@@ -112,7 +119,10 @@ class Simulation:
         return self._steps.columns()
 
     def values(self) -> dict[str, float]:
-        """All columns of the history for the present state: points, energies, momenta, reactions, bodies, joints, sensors."""
+        """All columns of the history for the present state: points, energies, momenta, reactions, bodies, joints, sensors.
+
+        Raises `ValueError` between `repeat` and `advance`, as forces belong to a step.
+        """
         return dict(zip(self._steps.columns(), self._steps.row().tolist(), strict=True))
 
     def nodes_on(self, set: str) -> NDArray[np.uint32]:

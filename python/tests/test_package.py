@@ -261,6 +261,8 @@ class Runs(unittest.TestCase):
         child.send_signal(signal.SIGINT)
         rest, _ = child.communicate(timeout=60)
         self.assertEqual(child.returncode, 0, rest)
+        self.assertIn("resume=True", rest)
+        self.assertIn(str(self.out), rest)
         self.assertEqual(tegula.Result(self.out).status, "interrupted")
 
     def test_other_threads_run_meanwhile(self) -> None:
@@ -288,6 +290,7 @@ class Runs(unittest.TestCase):
         found = [str(w.message) for w in caught if issubclass(w.category, tegula.ModelWarning)]
         self.assertEqual(found, result.warnings)
         self.assertTrue(found)
+        self.assertEqual({w.filename for w in caught}, {__file__})
 
     def test_what_is_no_result_folder_is_told(self) -> None:
         with self.assertRaisesRegex(tegula.OutputError, "no result folder"):
@@ -452,6 +455,8 @@ class Simulations(unittest.TestCase):
             other.advance()
             for push in (0.5, 1.0):
                 other.repeat()
+                with self.assertRaisesRegex(ValueError, "undone"):
+                    other.values()
                 self.assertEqual(other.time, time)
                 np.testing.assert_array_equal(other.displacements, start)
                 np.testing.assert_allclose(other.energies, energies, rtol=1e-12, atol=1e-12)
@@ -477,6 +482,22 @@ class Simulations(unittest.TestCase):
         with self.assertWarns(tegula.ModelWarning) as caught:
             tegula.Model(keys).simulation()
         self.assertIn(str(caught.warning), warned)
+
+    def test_a_simulation_advances_beside_runs_that_read_it(self) -> None:
+        simulation = tegula.Model(cantilever(analysis={**SWING, "end_time": 1.0})).simulation()
+        times: list[float] = []
+
+        def solve() -> None:
+            tegula.Model(cantilever(analysis=SWING)).run(progress=lambda _: times.append(simulation.time))
+
+        runs = [threading.Thread(target=solve) for _ in range(4)]
+        steps = threading.Thread(target=lambda: [simulation.advance() for _ in range(100)])
+        for thread in (*runs, steps):
+            thread.start()
+        for thread in (*runs, steps):
+            thread.join(timeout=60)
+            self.assertFalse(thread.is_alive())
+        self.assertEqual(len(times), 4 * 51)
 
     def test_simulations_work_from_several_threads(self) -> None:
         simulation = tegula.Model(cantilever(analysis=SWING)).simulation()

@@ -11,7 +11,7 @@ const DEEPEST: usize = 64;
 /// The table of a dictionary. Numbers and arrays of NumPy become numbers and lists; keys with the value `None` are left out.
 ///
 /// # Errors
-/// A key is no text, or a value has no counterpart in a model file.
+/// A key is not a string, or a value has no counterpart in a model file.
 pub fn table(dict: &Bound<'_, PyDict>) -> PyResult<Table> {
     table_at(dict, "", 0)
 }
@@ -21,7 +21,7 @@ fn table_at(dict: &Bound<'_, PyDict>, at: &str, depth: usize) -> PyResult<Table>
     for (key, value) in dict {
         let key = key
             .cast::<PyString>()
-            .map_err(|_| PyTypeError::new_err(format!("{}: the key {key:?} is no text", place(at))))?
+            .map_err(|_| PyTypeError::new_err(format!("{}: the key {key:?} is not a string", place(at))))?
             .to_cow()?
             .into_owned();
         if !value.is_none() {

@@ -1,11 +1,13 @@
 //! Models: read, checked, run.
 
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use tegula_io::deck;
-use tegula_io::job::{self, JobOptions};
+use tegula_io::job::{self, JobError, JobOptions};
 
 use crate::simulation::Steps;
 use crate::threads::compute;
@@ -64,11 +66,11 @@ impl Deck {
 
     /// Warnings about a model that can be computed.
     fn check(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        let prepared = compute(py, || job::prepare(&self.0))?.map_err(failure::of_run)?;
+        let prepared = compute(py, &OnceLock::new(), || job::prepare(&self.0))?.map_err(failure::of_run)?;
         Ok(prepared.warnings.iter().map(ToString::to_string).collect())
     }
 
-    /// Runs the model; the results are in the folder.
+    /// Runs the model; the results are in the folder. Returns the warnings.
     fn run(
         &self,
         py: Python<'_>,
@@ -76,18 +78,24 @@ impl Deck {
         resume: bool,
         force: bool,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<()> {
+    ) -> PyResult<Vec<String>> {
         let options = JobOptions { folder, resume, force };
         let mut watch = Watch::new(progress);
-        let outcome = compute(py, || job::run(&self.0, &options, &mut watch))?;
-        match (outcome, watch.raised()) {
+        let outcome = compute(py, &OnceLock::new(), || job::run(&self.0, &options, &mut watch))?;
+        let (warnings, raised) = watch.end();
+        match (outcome, raised) {
+            (Err(error @ JobError::Interrupted { .. }), Some(raised))
+                if raised.is_instance_of::<PyKeyboardInterrupt>(py) =>
+            {
+                Err(failure::of_run(error))
+            }
             (_, Some(raised)) => Err(raised),
-            (outcome, None) => outcome.map(|_| ()).map_err(failure::of_run),
+            (outcome, None) => outcome.map(|_| warnings).map_err(failure::of_run),
         }
     }
 
     /// The analysis of the model, step by step. The amplitudes named become signals.
     fn steps(&self, py: Python<'_>, signals: Vec<String>) -> PyResult<Steps> {
-        compute(py, || Steps::new(&self.0, &signals))?
+        compute(py, &OnceLock::new(), || Steps::new(&self.0, &signals))?
     }
 }

@@ -1,12 +1,13 @@
 //! Analyses that Python advances step by step.
 
 use std::collections::BTreeMap;
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Mutex, MutexGuard, OnceLock};
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
+use rayon::ThreadPool;
 use self_cell::self_cell;
 use tegula::System;
 use tegula::analysis::{Observer, Silent, State, Step, Stepper, dynamics, path, statics};
@@ -18,7 +19,6 @@ use tegula_io::job::{self, HistoryRows, Prepared};
 
 use crate::failure;
 use crate::threads::compute;
-use crate::watch::warn;
 
 type Borrowed<'a> = Box<dyn Stepper + 'a>;
 
@@ -54,6 +54,8 @@ pub struct Steps {
     analysed: Mutex<Analysed>,
     columns: Vec<String>,
     warnings: Vec<String>,
+    /// Threads for callers other than the main thread.
+    pool: OnceLock<ThreadPool>,
 }
 
 impl Steps {
@@ -96,7 +98,7 @@ impl Steps {
             limited: false,
             warned: Warned::default(),
         };
-        Ok(Self { analysed: Mutex::new(analysed), columns, warnings })
+        Ok(Self { analysed: Mutex::new(analysed), columns, warnings, pool: OnceLock::new() })
     }
 
     fn lock(&self, py: Python<'_>) -> MutexGuard<'_, Analysed> {
@@ -121,7 +123,7 @@ fn takes_signals(analysis: &Analysis) -> PyResult<()> {
         )),
         // The start of a load step would be no equilibrium, and its release of energy would be taken for a snap.
         _ => Err(PyValueError::new_err(
-            "signals act in transient analyses; of a static one run a model for each value, or give the amplitude a table",
+            "signals act in transient analyses; for a static one, run one model for each value, or give the amplitude a table",
         )),
     }
 }
@@ -213,7 +215,12 @@ impl Analysed {
     }
 
     /// Row of the history for the last step, under the signals that acted in it.
-    fn row(&mut self) -> Vec<f64> {
+    fn row(&mut self) -> PyResult<Vec<f64>> {
+        if self.limited {
+            return Err(PyValueError::new_err(
+                "the last step has been undone, and forces belong to a step: take it again first; positions and velocities are there",
+            ));
+        }
         let Self { running, rows, before, iterations, signals, applied, .. } = self;
         let present: Vec<f64> = signals.values().map(Signal::value).collect();
         let set =
@@ -224,7 +231,7 @@ impl Analysed {
             rows.row(prepared, before, &step).0
         });
         set(&present);
-        row
+        Ok(row)
     }
 
     fn signal(&self, name: &str) -> PyResult<&Signal> {
@@ -256,26 +263,27 @@ fn sum(a: Option<&Nodal>, b: Option<&Nodal>) -> Option<Nodal> {
 
 #[pymethods]
 impl Steps {
-    /// Takes steps; returns the iterations of the last one.
-    fn advance(&self, py: Python<'_>, steps: usize) -> PyResult<u32> {
+    /// Takes steps; returns the iterations of the last one, and warnings.
+    fn advance(&self, py: Python<'_>, steps: usize) -> PyResult<(u32, Vec<String>)> {
+        let mut warnings = Vec::new();
         for _ in 0..steps {
             let mut guard = self.lock(py);
             let analysed = &mut *guard;
-            let outcome = compute(py, || analysed.advance())?;
+            let outcome = compute(py, &self.pool, || analysed.advance())?;
             let warned = std::mem::take(&mut analysed.warned.0);
             drop(guard);
-            warned.iter().try_for_each(|message| warn(py, message, 3))?;
+            warnings.extend(warned);
             outcome?;
             py.check_signals()?;
         }
-        Ok(self.lock(py).iterations)
+        Ok((self.lock(py).iterations, warnings))
     }
 
     /// Goes back to the start of the last step.
     fn repeat(&self, py: Python<'_>) -> PyResult<()> {
         let mut guard = self.lock(py);
         let analysed = &mut *guard;
-        compute(py, || analysed.repeat())?
+        compute(py, &self.pool, || analysed.repeat())?
     }
 
     /// Sets the value of a signal for the steps to come; a step that another thread takes is waited for.
@@ -311,7 +319,7 @@ impl Steps {
     fn row<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let mut guard = self.lock(py);
         let analysed = &mut *guard;
-        Ok(compute(py, || analysed.row())?.into_pyarray(py))
+        Ok(compute(py, &self.pool, || analysed.row())??.into_pyarray(py))
     }
 
     /// Time (load factor), and that at which the analysis ends.

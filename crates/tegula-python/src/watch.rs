@@ -5,11 +5,12 @@ use std::sync::Mutex;
 use pyo3::prelude::*;
 use tegula_io::job::{JobObserver, Progress};
 
-/// Observer that reports steps and warnings to Python and asks it for Ctrl-C.
+/// Observer that reports steps to Python, asks it for Ctrl-C, and keeps warnings.
 #[derive(Default)]
 pub struct Watch {
     /// Called with step, time, end time, step size and iterations after each step.
     progress: Option<Py<PyAny>>,
+    warnings: Vec<String>,
     /// Exception of a call, which ends the run.
     raised: Mutex<Option<PyErr>>,
 }
@@ -17,12 +18,12 @@ pub struct Watch {
 impl Watch {
     /// Observer with a function for the progress.
     pub fn new(progress: Option<Py<PyAny>>) -> Self {
-        Self { progress, raised: Mutex::default() }
+        Self { progress, ..Self::default() }
     }
 
-    /// Exception of a call or Ctrl-C, if there was one.
-    pub fn raised(self) -> Option<PyErr> {
-        self.raised.into_inner().ok().flatten()
+    /// Warnings, and the exception of a call or of Ctrl-C, if there was one.
+    pub fn end(self) -> (Vec<String>, Option<PyErr>) {
+        (self.warnings, self.raised.into_inner().ok().flatten())
     }
 
     fn keep(&self, result: PyResult<()>) {
@@ -30,12 +31,6 @@ impl Watch {
             raised.get_or_insert(error);
         }
     }
-}
-
-/// Gives a warning at the place of the caller, `level` calls above.
-pub fn warn(py: Python<'_>, message: &str, level: u32) -> PyResult<()> {
-    let category = py.import("tegula._errors")?.getattr("ModelWarning")?;
-    py.import("warnings")?.call_method1("warn", (message, category, level)).map(|_| ())
 }
 
 impl JobObserver for Watch {
@@ -48,7 +43,7 @@ impl JobObserver for Watch {
     }
 
     fn on_warning(&mut self, message: &str) {
-        self.keep(Python::attach(|py| warn(py, message, 3)));
+        self.warnings.push(message.to_owned());
     }
 
     fn interrupted(&self) -> bool {

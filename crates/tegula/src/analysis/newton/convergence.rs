@@ -80,7 +80,7 @@ impl<S: TangentSolver> Newton<S> {
         // Bodies that loads and joints hold where they are: the increments are round-off, and there is no energy to compare with.
         let held = self.constraints.is_some() && setting.number > HELD && norm <= places && scale <= places;
         if converged || held || (energy == 0.0 && norm == 0.0) {
-            if held && !converged {
+            if held && !converged && !in_time {
                 self.refuse_unbalanced(system, equation)?;
             }
             // Constraints are as exact as the increment that follows; a dependent one may still be open.
