@@ -127,6 +127,21 @@ class Runs(unittest.TestCase):
         del result
         self.assertFalse(folder.exists())
 
+    def test_fields_are_read_by_meshio_and_pyvista(self) -> None:
+        try:
+            import meshio  # type: ignore[import-not-found, import-untyped, unused-ignore]  # noqa: F401
+            import pyvista  # type: ignore[import-not-found, import-untyped, unused-ignore]  # noqa: F401
+        except ImportError as missing:
+            self.skipTest(str(missing))
+        result = tegula.run(cantilever())
+        mesh = result.frames[-1].to_meshio()
+        grid = result.frames[-1].to_pyvista()
+        self.assertEqual(mesh.points.shape, (63, 3))
+        self.assertEqual((grid.n_points, grid.n_cells), (63, 40))
+        lowest = result.history["tip.uz"][-1]
+        for values in (mesh.point_data["displacement"], grid.point_data["displacement"]):
+            self.assertLess(abs(np.min(values[:, 2]) / lowest - 1.0), 1e-6)
+
     def test_frequencies_of_a_free_strip(self) -> None:
         keys = cantilever(analysis={"type": "modal", "modes": 7}, conditions=[], loads=[])
         result = tegula.run(keys)
