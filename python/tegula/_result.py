@@ -205,6 +205,12 @@ class Result:
         steps = self.summary.get("analyses") or []
         return {s["name"]: Result(self.folder / s["folder"], _keep=self._keep) for s in steps if s.get("status")}
 
+    @property
+    def branches(self) -> dict[int, Result]:
+        """Results of the paths that cross a path, by the number of the bifurcation; negative for the other side of its mode."""
+        found = self.summary.get("branches") or []
+        return {b["bifurcation"]: Result(self.folder / b["folder"], _keep=self._keep) for b in found if b.get("status")}
+
     def __copy__(self) -> Result:
         return Result(self.folder, _keep=self._keep)
 

@@ -191,6 +191,22 @@ class Runs(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "run"):
             tegula.Model(keys).simulation()
 
+    def test_paths_have_the_results_of_their_branches(self) -> None:
+        keys = tegula.Model.read(EXAMPLES / "arch_branches.toml").keys()
+        keys["output"]["pictures"] = False
+        result = tegula.run(keys)
+        points = [p for p in result.summary["critical_points"] if p["kind"] == "bifurcation"]
+        self.assertGreater(len(points), 0)
+        self.assertEqual(set(result.branches), {side * (i + 1) for i in range(len(points)) for side in (1, -1)})
+        for number, branch in result.branches.items():
+            self.assertEqual(branch.status, "complete")
+            # The arch leans to one side behind the bifurcation, to the other one on the counterpart, and never on the path.
+            sway, other = (result.branches[n].history["top.ux"] for n in (number, -number))
+            first, counterpart = (s[np.argmax(np.abs(s) > 1e-4)] for s in (sway, other))
+            self.assertGreater(abs(first), 1e-4, f"branch {number}")
+            self.assertEqual(np.sign(first), -np.sign(counterpart), f"branch {number}")
+        self.assertLess(np.abs(result.history["top.ux"]).max(), 1e-6)
+
     def test_folders_of_other_models_are_not_overwritten(self) -> None:
         tegula.run(EXAMPLES / "cantilever_plate.toml", self.out)
         other = tegula.Model(cantilever(title="another"))
@@ -263,7 +279,9 @@ class Runs(unittest.TestCase):
     def test_ctrl_c_ends_the_run_after_the_step(self) -> None:
         long = {**SWING, "end_time": 1e3}
         program = (
-            "import tegula, sys, pathlib\n"
+            "import signal, tegula\n"
+            # Programs in the background of a shell ignore Ctrl-C.
+            "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
             f"model = tegula.Model.from_toml({tegula.Model(cantilever(analysis=long)).text!r})\n"
             "try:\n"
             f"    model.run({str(self.out)!r}, progress=lambda p: p.step == 3 and print('begun', flush=True))\n"
