@@ -141,7 +141,7 @@ class Simulation:
 
     @property
     def directors(self) -> NDArray[np.float64]:
-        """Directors of the nodes, n × 3; NaN where a node has none."""
+        """Directors of the nodes, n × 3; zero where a node has none."""
         return self._steps.directors()
 
     @property

@@ -493,6 +493,10 @@ class Simulations(unittest.TestCase):
                 self.assertEqual(other.time, time)
                 np.testing.assert_array_equal(other.displacements, start)
                 np.testing.assert_allclose(other.energies, energies, rtol=1e-12, atol=1e-12)
+                # A step that fails still ends there when it is taken again.
+                other.set("push", 1e300)
+                with self.assertRaises(tegula.AnalysisError):
+                    other.advance()
                 other.set("push", push)
                 other.advance()
             self.assertEqual(other.time, end)

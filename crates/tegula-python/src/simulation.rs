@@ -37,13 +37,15 @@ struct Analysed {
     rows: HistoryRows,
     /// State before the last step, which is empty before the first one.
     before: State,
+    /// Buffer of the state at the start of a step.
+    start: State,
     /// Iterations of the last step.
     iterations: u32,
     signals: BTreeMap<String, Signal>,
     /// Values of the signals in the last step, in their order.
     applied: Vec<f64>,
-    /// The last step ends where the attempt that it repeats has ended.
-    limited: bool,
+    /// Position at which the step ends that is to be taken again.
+    again_to: Option<f64>,
     /// Warnings of the analysis that Python has not had yet.
     warned: Warned,
 }
@@ -92,10 +94,11 @@ impl Steps {
             running,
             rows,
             before: State::default(),
+            start: State::default(),
             iterations: 0,
             applied: given.values().map(Signal::value).collect(),
             signals: given,
-            limited: false,
+            again_to: None,
             warned: Warned::default(),
         };
         Ok(Self { analysed: Mutex::new(analysed), columns, warnings, pool: OnceLock::new() })
@@ -175,24 +178,24 @@ fn begun(prepared: &Prepared) -> PyResult<Borrowed<'_>> {
 
 impl Analysed {
     fn advance(&mut self) -> PyResult<()> {
-        let Self { running, before, iterations, signals, applied, limited, warned, .. } = self;
+        let Self { running, before, start, iterations, signals, applied, again_to, warned, .. } = self;
         running.with_dependent_mut(|_, stepper| {
             if stepper.is_finished() {
                 return Err(PyValueError::new_err("the analysis has come to its end"));
             }
-            let start = stepper.state().clone();
+            start.clone_from(stepper.state());
             match stepper.advance(warned) {
                 Ok(number) => *iterations = number,
                 Err(error) => {
                     // The step length of the last attempt is forgotten, too.
-                    stepper.repeat(&start, f64::INFINITY);
+                    stepper.repeat(start, again_to.unwrap_or(f64::INFINITY));
                     return Err(failure::of_analysis(&error, None));
                 }
             }
-            *before = start;
+            std::mem::swap(before, start);
             applied.clear();
             applied.extend(signals.values().map(Signal::value));
-            if std::mem::take(limited) {
+            if again_to.take().is_some() {
                 stepper.release();
             }
             Ok(())
@@ -201,14 +204,16 @@ impl Analysed {
 
     /// Goes back to the start of the last step, which ends at the same time when it is taken again.
     fn repeat(&mut self) -> PyResult<()> {
-        let Self { running, before, iterations, limited, .. } = self;
+        let Self { running, before, iterations, again_to, .. } = self;
         running.with_dependent_mut(|_, stepper| {
             if before.u.is_empty() {
-                return Err(PyValueError::new_err("there is no step to repeat: advance first, and repeat a step only once before it is taken again"));
+                return Err(PyValueError::new_err(
+                    "there is no step to repeat: advance first, and repeat a step only once before it is taken again",
+                ));
             }
             let end = stepper.position();
             stepper.repeat(before, end);
-            (*iterations, *limited) = (0, true);
+            (*iterations, *again_to) = (0, Some(end));
             *before = State::default();
             Ok(())
         })
@@ -216,7 +221,7 @@ impl Analysed {
 
     /// Row of the history for the last step, under the signals that acted in it.
     fn row(&mut self) -> PyResult<Vec<f64>> {
-        if self.limited {
+        if self.again_to.is_some() {
             return Err(PyValueError::new_err(
                 "the last step has been undone, and forces belong to a step: take it again first; positions and velocities are there",
             ));
@@ -246,19 +251,10 @@ impl Analysed {
     }
 }
 
-/// A row for each node of the mesh, from its nodal vector; NaN where a node has no element.
-fn of_nodes<'py>(py: Python<'py>, values: Vec<Nodal>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+/// A field of the nodes as an array with a row for each.
+fn rows<'py>(py: Python<'py>, values: Vec<Nodal>) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let nodes = values.len();
     values.into_flattened().into_pyarray(py).reshape([nodes, 3])
-}
-
-fn by_node(vectors: &[u32], value: impl Fn(usize) -> Option<Nodal>) -> Vec<Nodal> {
-    vectors.iter().map(|&v| value(v as usize).unwrap_or([f64::NAN; 3])).collect()
-}
-
-fn sum(a: Option<&Nodal>, b: Option<&Nodal>) -> Option<Nodal> {
-    let (a, b) = (a?, b?);
-    Some(std::array::from_fn(|i| a[i] + b[i]))
 }
 
 #[pymethods]
@@ -357,41 +353,25 @@ impl Steps {
 
     /// Displacements of the nodes.
     fn displacements<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let values = self.read(py, |prepared, stepper| {
-            let u = &stepper.state().u;
-            by_node(&prepared.system.coordinates.position_of, |v| u.get(v).copied())
-        });
-        of_nodes(py, values)
+        rows(py, self.read(py, |prepared, stepper| job::nodal(&prepared.system, &stepper.state().u)))
     }
 
     /// Positions of the nodes.
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let values = self.read(py, |prepared, stepper| {
-            let (at, u) = (&prepared.system.coordinates, &stepper.state().u);
-            by_node(&at.position_of, |v| sum(at.reference.get(v), u.get(v)))
-        });
-        of_nodes(py, values)
+        let of = |prepared: &Prepared, stepper: &dyn Stepper| {
+            job::positions(&prepared.mesh, &prepared.system, &stepper.state().u, 1.0)
+        };
+        rows(py, self.read(py, of))
     }
 
     /// Directors of the nodes.
     fn directors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let values = self.read(py, |prepared, stepper| {
-            let (at, u) = (&prepared.system.coordinates, &stepper.state().u);
-            by_node(&at.director_of, |v| sum(at.reference.get(v), u.get(v)))
-        });
-        of_nodes(py, values)
+        rows(py, self.read(py, |prepared, stepper| job::directors(&prepared.system, stepper.state(), None)))
     }
 
     /// Velocities of the nodes; zero in statics.
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let values = self.read(py, |prepared, stepper| {
-            let (at, state) = (&prepared.system.coordinates, stepper.state());
-            let of = |v: usize| {
-                if state.v.is_empty() { state.u.get(v).map(|_| [0.0; 3]) } else { state.v.get(v).copied() }
-            };
-            by_node(&at.position_of, of)
-        });
-        of_nodes(py, values)
+        rows(py, self.read(py, |prepared, stepper| job::nodal(&prepared.system, &stepper.state().v)))
     }
 
     /// Quadrilaterals of the mesh, by the numbers of their nodes.

@@ -20,13 +20,13 @@ const PLY: [&str; 3] = ["11", "22", "12"];
 const SHEAR: [&str; 2] = ["xz", "yz"];
 
 /// A nodal field of positions, node by node; zero where a node has no element.
-pub(super) fn nodal(system: &System, field: &[Nodal]) -> Vec<Nodal> {
+pub fn nodal(system: &System, field: &[Nodal]) -> Vec<Nodal> {
     let value = |&v: &u32| field.get(v as usize).copied().unwrap_or_default();
     system.coordinates.position_of.iter().map(value).collect()
 }
 
 /// Positions of all nodes of the mesh at displacements `u` times `scale`.
-pub(super) fn positions(mesh: &Mesh, system: &System, u: &[Nodal], scale: f64) -> Vec<[f64; 3]> {
+pub fn positions(mesh: &Mesh, system: &System, u: &[Nodal], scale: f64) -> Vec<[f64; 3]> {
     let moved = nodal(system, u);
     mesh.positions.iter().zip(moved).map(|(x, u)| std::array::from_fn(|i| x[i] + scale * u[i])).collect()
 }
@@ -204,7 +204,7 @@ pub(super) fn write(
 }
 
 /// The (first) director of each node; of a small motion, its change.
-fn directors(system: &System, state: &State, small: Option<&[Nodal]>) -> Vec<Nodal> {
+pub fn directors(system: &System, state: &State, small: Option<&[Nodal]>) -> Vec<Nodal> {
     let value =
         |&v: &u32| match (system.coordinates.reference.get(v as usize), state.u.get(v as usize), small) {
             (Some(_), Some(_), Some(shape)) => shape[v as usize],

@@ -5,8 +5,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Value that a caller sets between the steps of an analysis, such as the output of a controller. Copies share the value.
 ///
-/// It takes the place of an amplitude ([`System::signal`](crate::System::signal)) and is constant within a step: its rate
-/// is 0. A state does not hold it; a caller that restores a state sets it again.
+/// It takes the place of an amplitude ([`System::signal`](crate::System::signal)), with the rate 0. With the energy–momentum scheme it is
+/// constant within a step, and the account of energies is exact. Schemes that evaluate loads at the end of a step take the value there at the start of
+/// the next one, too: a change acts half a step late, and the work is not that of the load. Prescribed motions have no velocity under it. A state does
+/// not hold it; a caller that restores a state sets it again.
 #[derive(Debug, Clone, Default)]
 pub struct Signal(Arc<AtomicU64>);
 
