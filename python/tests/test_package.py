@@ -325,6 +325,32 @@ class Runs(unittest.TestCase):
         self.assertTrue(found)
         self.assertEqual({w.filename for w in caught}, {__file__})
 
+    def test_statics_warns_where_a_very_stiff_spring_does_not_carry_its_load(self) -> None:
+        axis = [1.0, 0.0, 0.0]
+        bodies = [{"name": name, "at": [x, 0.0, 0.0], "mass": 1.0} for name, x in (("a", 1.0), ("b", 2.0))]
+        guides = [{"type": "prismatic", "name": f"guide.{b['name']}", "between": ["ground", b["name"]], "at": b["at"],
+                   "axis": axis} for b in bodies]
+        guided = [{**b, "inertia": [1.0, 1.0, 1.0]} for b in bodies]
+        warned = {}
+        for stiff in (1e6, 1e16):
+            springs = [
+                {"name": "stiff", "between": ["ground", "a"], "points": [[0.3, 0.0, 0.0], [1.0, 0.0, 0.0]], "stiffness": stiff},
+                {"name": "soft", "between": ["a", "b"], "points": [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]], "stiffness": 100.0},
+            ]
+            keys = {"analysis": {"type": "static"}, "bodies": guided, "joints": guides, "springs": springs,
+                    "loads": [{"type": "force", "on": "b", "value": axis}], "output": {"pictures": False}}
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                try:
+                    result = tegula.run(keys)
+                except tegula.AnalysisError:
+                    warned[stiff] = True
+                    continue
+            carried = abs(abs(result.history["spring.stiff.force"][-1]) - 1.0) < 1e-3
+            warned[stiff] = any("balance only up to" in w for w in result.warnings)
+            self.assertTrue(carried or warned[stiff])
+        self.assertEqual(warned, {1e6: False, 1e16: True})
+
     def test_what_is_no_result_folder_is_told(self) -> None:
         with self.assertRaisesRegex(tegula.OutputError, "no result folder"):
             tegula.Result(self.out)

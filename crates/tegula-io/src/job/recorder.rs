@@ -3,7 +3,8 @@
 use std::time::Instant;
 
 use tegula::analysis::{Balance, Observer, State, Statistics, Step};
-use tegula::model::Model;
+use tegula::model::{Analysis, Model};
+use tegula::norm::larger;
 use tegula::result::{Equilibrium, ShellResult, plastic_strains, recover};
 use tegula::system::Shell;
 use tegula::{Error, Result, System};
@@ -19,6 +20,8 @@ use super::{
 use crate::deck::Diagnostic;
 use crate::out::{HistoryWriter, OutputError};
 
+/// Error of the balance of loads and reactions above which a static analysis warns.
+const IMBALANCE: f64 = 1e-3;
 /// Longest time on the clock between two checkpoints (s).
 const CHECKPOINT_SECONDS: f64 = 30.0;
 /// Shortest one where every step writes a field file (s).
@@ -120,6 +123,19 @@ impl<'a> Recorder<'a> {
     /// Reports the warnings of the check of the model.
     pub fn warn(&mut self, warnings: &[Diagnostic]) -> std::result::Result<(), OutputError> {
         warnings.iter().try_for_each(|warning| self.warning(&warning.to_string()))
+    }
+
+    /// Warns where the loads and reactions of an equilibrium do not balance, as beside springs that are stiffer than places are exact.
+    pub fn warn_of_imbalance(&mut self) -> std::result::Result<(), OutputError> {
+        let Some(balance) = self.summary.balance else { return Ok(()) };
+        let error = larger(balance.force, balance.moment);
+        if !matches!(self.model.analysis, Analysis::Static(_)) || error <= IMBALANCE {
+            return Ok(());
+        }
+        self.warning(&format!(
+            "loads and reactions balance only up to {error:.1e} of their size: the forces of springs or parts that are very stiff beside the others \
+             are round-off; make them softer, or put a joint or a support in their place"
+        ))
     }
 
     fn warning(&mut self, message: &str) -> std::result::Result<(), OutputError> {

@@ -154,6 +154,9 @@ fn conclude(mut recorder: Recorder<'_>, outcome: tegula::Result<()>) -> Result<S
         pictures::draw(&mut recorder);
     }
     recorder.update_summary();
+    if status == Status::Complete {
+        recorder.warn_of_imbalance().inspect_err(|error| recorder.fail(error))?;
+    }
     recorder.log_end().and_then(|()| recorder.write_summary()).inspect_err(|error| recorder.fail(error))?;
     let folder = recorder.folder.path().to_owned();
     match outcome {
