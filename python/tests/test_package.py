@@ -430,6 +430,11 @@ class Simulations(unittest.TestCase):
         keys["conditions"].append({"type": "prescribe", "on": "u_max", "component": "y", "value": 1.0, "amplitude": "push"})
         with self.assertRaisesRegex(ValueError, "moves supports"):
             tegula.Model(keys).simulation(signals=["push"])
+        keys["conditions"].pop()
+        keys["materials"]["steel"]["expansion"] = 1e-5
+        keys["prescribed_strains"] = [{"type": "thermal", "temperature": 10.0, "amplitude": "push"}]
+        with self.assertRaisesRegex(ValueError, "scales prescribed strains"):
+            tegula.Model(keys).simulation(signals=["push"])
 
     def test_values_refer_to_the_last_step_whatever_is_set_for_the_next_one(self) -> None:
         keys = cantilever(analysis=SWING, amplitudes={"push": {"type": "constant", "value": 1.0}})

@@ -77,7 +77,7 @@ impl Steps {
         }
         let mut given = BTreeMap::new();
         for name in signals {
-            moves_no_supports(&prepared.system, name)?;
+            takes_a_signal(&prepared.system, name)?;
             let unknown = || {
                 PyKeyError::new_err(format!(
                     "the model has no amplitude \"{name}\" that a load or drive follows"
@@ -131,14 +131,20 @@ fn takes_signals(analysis: &Analysis) -> PyResult<()> {
     }
 }
 
-/// Refuses signals that move supports: their velocity would be unknown.
-fn moves_no_supports(system: &System, amplitude: &str) -> PyResult<()> {
+/// Refuses signals that move supports, whose velocity would be unknown, or that scale prescribed strains, whose change between two steps does work.
+fn takes_a_signal(system: &System, amplitude: &str) -> PyResult<()> {
     let follows =
         |number: Option<usize>| number.is_some_and(|number| system.amplitude_name(number) == amplitude);
     if system.dofs().prescribed.iter().any(|prescribed| follows(prescribed.amplitude)) {
         return Err(PyValueError::new_err(format!(
             "the amplitude \"{amplitude}\" moves supports (`prescribe`), whose velocity a signal does not give: drive a joint, or a \
              body that the nodes are attached to"
+        )));
+    }
+    if system.prescribed_strains.iter().any(|field| follows(field.factor.amplitude)) {
+        return Err(PyValueError::new_err(format!(
+            "the amplitude \"{amplitude}\" scales prescribed strains, and the work of a jump in them would be missing in the energy balance: give it \
+             a table of times and values"
         )));
     }
     Ok(())

@@ -68,9 +68,23 @@ pub(super) fn assemble_tangent(
     (state, penalty): (&State, f64),
     loads: &[Nodal],
 ) {
+    assemble_parts(system, assembly, state, TangentWeights { penalty, ..TangentWeights::STATIC }, loads);
+}
+
+/// Geometric stiffness at a state: of stresses, of multipliers of joints, of the external forces `loads` and of follower loads.
+pub(super) fn assemble_geometric(system: &System, assembly: &mut Assembly, state: &State, loads: &[Nodal]) {
+    assemble_parts(system, assembly, state, TangentWeights::GEOMETRIC, loads);
+}
+
+fn assemble_parts(
+    system: &System,
+    assembly: &mut Assembly,
+    state: &State,
+    weights: TangentWeights,
+    loads: &[Nodal],
+) {
     let k = state.point(system);
     assembly.follow(system, &k);
-    let weights = TangentWeights { penalty, ..TangentWeights::STATIC };
     let parts = TangentCoefficients { weights, mass: 0.0, time: state.time };
     let mut internal = vec![[0.0; 3]; system.vectors()];
     assembly.forces_and_tangent(system, &k, &parts, false, None, &mut internal);

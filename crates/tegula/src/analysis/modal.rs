@@ -19,6 +19,7 @@ mod reduced_model;
 mod rigid;
 mod search;
 mod spinning;
+mod strain_energy;
 
 use super::statics::{self, StaticOutcome};
 use super::{Observer, State, Statistics};
@@ -44,11 +45,8 @@ const ROUNDS: usize = 5;
 const COUPLED: usize = 4;
 /// Places in a gap, as fractions of its width, where eigenvalues are counted until a factorisation succeeds.
 const PLACES: [f64; 4] = [0.5, 0.35, 0.65, 0.2];
-/// Part of the bound of the round-off of the assembled stiffness up to which an eigenvalue is round-off where the strain energy is not known, about a
-/// loaded state. The eigenvalues of motions that are free were found below 5e-3 of it.
-const RESOLVED_BY_EIGENVALUE: f64 = 5e-2;
-/// Part of this bound from which on such an eigenvalue may not be round-off alone.
-const DOUBTFUL: f64 = 1e-2;
+/// Residual of a mode above which it is no solution. Those found have less than 1e-8.
+const LARGEST_RESIDUAL: f64 = 1e-6;
 /// Shift below zero over the softening by centrifugal forces.
 const SOFTENING: f64 = 1.05;
 /// Difference of a mode's strain energy from the eigenvalue of the assembled stiffness, over its value, above which
@@ -215,7 +213,7 @@ fn lowest_modes(
         search.estimate(problem, &*observer)?;
     }
     settle(problem)?;
-    let mut modes = rigid_modes(problem, found);
+    let mut modes = rigid_modes(problem, found)?;
     let sturm_checked = find(problem, &mut searches, observer)?;
     for search in searches {
         for (lambda, pair) in search.finish() {
@@ -349,47 +347,62 @@ fn miscounted(counted: usize, found: usize) -> Error {
 }
 
 /// Rigid modes, up to the number that is wanted.
-fn rigid_modes(problem: &mut Problem, wanted: usize) -> Vec<Mode> {
+///
+/// # Errors
+/// One has a strain energy: it is none.
+fn rigid_modes(problem: &Problem, wanted: usize) -> Result<Vec<Mode>> {
     let mut modes = Vec::new();
     for index in 0..problem.rigid.len().min(wanted) {
         let shape = problem.rigid.shape(index, &problem.parts);
         // Under loads the rigid modes of parts are their translations, which strain no configuration.
-        let energy = problem.small_strain_energy(&shape);
+        let energy = problem.material_energy(&shape);
         let group = problem.groups.iter().find(|g| g.rigid.contains(&index));
         let residual = 2.0 * energy / group.map_or(f64::NAN, |g| g.lowest);
+        refuse_residual("a rigid motion of a part", residual)?;
         modes.push(Mode { frequency_hz: 0.0, omega: 0.0, rigid: true, shape, residual, whirl: None });
     }
-    modes
+    Ok(modes)
+}
+
+/// Refuses what is no solution of the eigenvalue problem, however it was found.
+///
+/// # Errors
+/// The residual is not small.
+fn refuse_residual(mode: &str, residual: f64) -> Result<()> {
+    if residual <= LARGEST_RESIDUAL {
+        return Ok(());
+    }
+    Err(Error::NotConverged {
+        at: "the modes".into(),
+        reason: format!("{mode} does not satisfy the eigenvalue problem: its residual is {residual:.1e}"),
+        help: "Check that the stiffnesses and masses of the model do not differ by more than twelve decades; reduce the larger ones.".into(),
+    })
 }
 
 /// Elastic mode.
 ///
 /// # Errors
-/// The assembled stiffness does not resolve the mode.
+/// The mode has a residual, or the assembled stiffness does not resolve the mode.
 fn mode(problem: &mut Problem, lambda: f64, mut pair: RitzPair, observer: &mut dyn Observer) -> Result<Mode> {
     let system = problem.system;
+    refuse_residual(&format!("a mode of ω² = {lambda:.4e}"), pair.residual)?;
     problem.constrain(&mut pair.vector);
     let mut shape = vec![[0.0; 3]; system.vectors()];
     problem.newton.assembly.frames.expand(&pair.vector, &mut shape);
-    let mut exact = lambda;
+    let strain_energy = problem.rayleigh_quotient(&pair.vector, &shape);
+    let mut exact = strain_energy.value;
     // Joints let parts move against each other without strain.
-    let round_off = problem.round_off(&pair.vector);
-    let mut free = system.may_be_loose() && lambda.abs() <= RESOLVED_BY_EIGENVALUE * round_off;
-    if problem.stress_free {
-        // The strain energy gives the Rayleigh quotient without cancellation.
-        exact = problem.small_strain_energy(&shape) / system.kinetic_energy(&shape);
-        free = system.may_be_loose() && exact <= problem.round_off_of_strain(&pair.vector, &shape);
-        if !free && !((exact - lambda).abs() <= HIDDEN * exact.abs()) {
-            return Err(hidden(format!(
-                "a mode of ω² = {exact:.4e} by its strain energy has {lambda:.4e} by the assembled stiffness"
-            )));
-        }
+    let free = system.may_be_loose() && exact.abs() <= strain_energy.round_off;
+    if !free && !((exact - lambda).abs() <= HIDDEN * exact.abs()) {
+        return Err(hidden(format!(
+            "a mode of ω² = {exact:.4e} by its strain energy has {lambda:.4e} by the assembled stiffness"
+        )));
     }
-    if free && !problem.stress_free && lambda.abs() > DOUBTFUL * round_off {
+    if free && strain_energy.material > strain_energy.round_off_of_material {
         observer.on_warning(&format!(
-            "a motion that joints leave counts as free: its ω² = {lambda:.1e} (rad/time)² about the loaded state may be round-off of the stiffness, \
-             which hides springs and loads that give less than {:.1e}",
-            RESOLVED_BY_EIGENVALUE * round_off
+            "a motion that joints leave counts as free: springs or parts that resist it give ω² = {:.1e} (rad/time)², which stresses and loads cancel \
+             within their round-off of {:.1e}",
+            strain_energy.material, strain_energy.round_off
         ));
     }
     if free {

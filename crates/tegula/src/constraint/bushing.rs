@@ -257,6 +257,12 @@ impl Bushing {
         })
     }
 
+    /// Strains of a small motion from the nodal vectors v.
+    pub(super) fn strains_of(&self, v: &Few, d: &Deformation, motion: impl Fn(u32) -> Vec3) -> Vector6<f64> {
+        let along = |gradient: &Few| self.vectors.iter().zip(gradient).map(|(&v, g)| g.dot(&motion(v))).sum();
+        self.strain_gradients(v, d).map(|gradient| along(&gradient)).into()
+    }
+
     /// Cosine of the relative rotation at the end of a motion.
     pub(super) fn cosine(&self, k: &GroupPoint) -> f64 {
         let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = k.motion;

@@ -1,9 +1,7 @@
 //! Bushings as contributions to forces, tangent, energy and dissipation.
 
-use nalgebra::Vector6;
-
 use super::bushing::{Bushing, LARGEST_ROTATION, pairs};
-use super::joint::{Few, MOST_VECTORS, current, few};
+use super::joint::{MOST_VECTORS, current, few};
 use super::joints::LARGEST_TURN;
 use crate::Vec3;
 use crate::element::{ElementGroup, GroupPoint, Nodal, StressIncrement, TangentRequest};
@@ -138,11 +136,7 @@ impl ElementGroup for BushingGroup {
             let deformation = bushing.deformation(k, Self::committed(k, e));
             let v = few(&bushing.vectors, |v| current(k, v));
             let displacement = |v: u32| Vec3::from(increment.displacements[v as usize]);
-            let along = |gradient: &Few| -> f64 {
-                bushing.vectors.iter().zip(gradient).map(|(&v, g)| g.dot(&displacement(v))).sum()
-            };
-            let strain = bushing.strain_gradients(&v, &deformation).map(|gradient| along(&gradient));
-            let force = bushing.stiffness * Vector6::from(strain);
+            let force = bushing.stiffness * bushing.strains_of(&v, &deformation, displacement);
             let on_vectors = bushing.gradient(&v, &Bushing::factors(&force, &deformation));
             for (out, f) in out.chunks_exact_mut(3).zip(&on_vectors) {
                 out.copy_from_slice(f.as_slice());
@@ -164,6 +158,15 @@ impl ElementGroup for BushingGroup {
             format!("would rotate by more than {LARGEST_TURN} rad in the step")
         };
         (broken && cosine.is_finite()).then(|| format!("the bushing \"{}\" {reason}", bushing.name))
+    }
+
+    fn material_energies(&self, k: &GroupPoint, motion: &[Nodal], energies: &mut [f64]) {
+        for (element, (bushing, energy)) in self.members.iter().zip(energies).enumerate() {
+            let deformation = bushing.deformation(k, Self::committed(k, element));
+            let v = few(&bushing.vectors, |v| current(k, v));
+            let strain = bushing.strains_of(&v, &deformation, |v| Vec3::from(motion[v as usize]));
+            *energy = 0.5 * strain.dot(&(bushing.stiffness * strain));
+        }
     }
 
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {

@@ -301,6 +301,15 @@ impl ElementGroup for SpringGroup {
         }
     }
 
+    fn material_energies(&self, k: &GroupPoint, motion: &[Nodal], energies: &mut [f64]) {
+        for (spring, energy) in self.members.iter().zip(energies) {
+            let Stretch { lengths, rate, x } = spring.motion(k);
+            let axis = x.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
+            let change = axis.dot(&spring.change(|v| current(k, v as u32), |v| Vec3::from(motion[v])));
+            *energy = 0.5 * spring.law.force(lengths, rate, k.time).by_position * change * change;
+        }
+    }
+
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
         for (spring, energy) in self.members.iter().zip(energies) {
             *energy = spring.law.energy(spring.motion(k).lengths[1]);

@@ -261,6 +261,15 @@ impl ElementGroup for TorsionSpringGroup {
         }
     }
 
+    fn material_energies(&self, k: &GroupPoint, motion: &[Nodal], energies: &mut [f64]) {
+        for (number, (spring, energy)) in self.members.iter().zip(energies).enumerate() {
+            let turn = spring.turn(k, number);
+            let of_vectors = spring.angle.vectors.iter().zip(&turn.gradient);
+            let angle: f64 = of_vectors.map(|(&v, w)| w.dot(&Vec3::from(motion[v as usize]))).sum();
+            *energy = 0.5 * spring.moment(&turn, k.time).by_position * angle * angle;
+        }
+    }
+
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
         for (number, (spring, energy)) in self.members.iter().zip(energies).enumerate() {
             let [_, angle] = spring.turn(k, number).angles;

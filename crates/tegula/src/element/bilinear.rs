@@ -326,6 +326,8 @@ enum Wanted<'a> {
     Stress(Option<(&'a [Nodal], f64)>),
     /// Stored energy, without the constant part of the prescribed strain fields.
     Energy,
+    /// Energy of the strains of a small motion about the state.
+    MaterialEnergy(&'a [Nodal]),
 }
 
 struct PerElement<'a> {
@@ -367,6 +369,12 @@ impl LaneWork for PerElement<'_> {
                 g.strained(l, k, Measure::End, strain);
                 let half = l.mul(l.splat(0.5), dot(l, strain, &g.multiply(l, strain)));
                 l.write(&[l.add(half, g.potential(l, strain, k.interior.factors))], 1, out);
+            }
+            Wanted::MaterialEnergy(motion) => {
+                let acting = g.strained(l, k, Measure::Effective, strain);
+                let products = g.products(l, &g.basis(l, motion), &acting);
+                strain.iter_mut().zip(products).for_each(|(s, product)| *s = product);
+                l.write(&[l.mul(l.splat(0.5), dot(l, strain, &g.multiply(l, strain)))], 1, out);
             }
         }
     }
@@ -466,6 +474,10 @@ impl ElementGroup for BilinearGroup {
                 *energy += energy_of_fields(constants, k.interior.factors);
             }
         }
+    }
+
+    fn material_energies(&self, k: &GroupPoint, motion: &[Nodal], energies: &mut [f64]) {
+        self.per_element(k, Wanted::MaterialEnergy(motion), 1, energies);
     }
 
     fn sampled_strains(&self, element: usize, k: &GroupPoint) -> Vec<f64> {

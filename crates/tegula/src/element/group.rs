@@ -2,6 +2,7 @@
 //! Kelvin–Voigt damping.
 
 use super::power_series::PowerSeries;
+use crate::{Mat3, Vec3};
 
 /// Components of a nodal vector, as stored in fields.
 pub type Nodal = [f64; 3];
@@ -50,6 +51,9 @@ pub struct TangentWeights {
 }
 
 impl TangentWeights {
+    /// Weights of the material part alone.
+    pub const MATERIAL: Self = Self { direction: 0.0, multiplier: 0.0, ..Self::STATIC };
+
     /// Weights of the geometric stiffness alone.
     pub const GEOMETRIC: Self = Self { stress: 0.0, ..Self::STATIC };
 
@@ -206,6 +210,21 @@ pub trait ElementGroup: Send + Sync {
         let _ = k;
         energies.fill(0.0);
     }
+    /// Energies ½ δs·H δs of the elements in a small motion δ about a state, with its strains δs = B δ: the material part of ½ δ·K δ. Groups of
+    /// strains compute these strains, since the products of stiff blocks cancel where a motion strains little.
+    fn material_energies(&self, k: &GroupPoint, motion: &[Nodal], energies: &mut [f64]) {
+        let n = self.vectors_per_element();
+        let size = 9 * n * (n + 1) / 2;
+        let (mut forces, mut blocks) = (vec![0.0; 3 * n * self.len()], vec![0.0; size * self.len()]);
+        let weights = TangentWeights::MATERIAL;
+        let request = TangentRequest { weights, stress: None, prescribed: None, blocks: &mut blocks };
+        self.evaluate(k, 0, &mut forces, Some(request));
+        for (element, energy) in energies.iter_mut().enumerate() {
+            let vectors = self.vectors(element);
+            let value = |a: usize| Vec3::from(motion[vectors[a] as usize]);
+            *energy = energy_of_blocks(&blocks[element * size..(element + 1) * size], value, n);
+        }
+    }
     /// Sampled strains of one element (at the end of a step).
     fn sampled_strains(&self, element: usize, k: &GroupPoint) -> Vec<f64> {
         let _ = (element, k);
@@ -257,4 +276,24 @@ pub struct TangentRequest<'a> {
     pub prescribed: Option<&'a [Nodal]>,
     /// Output: 3×3 blocks of the lower triangle, `9 · blocks` values per element.
     pub blocks: &'a mut [f64],
+}
+
+/// Energy ½ δ·K δ of an element by the lower blocks of its tangent K.
+pub fn energy_of_blocks(blocks: &[f64], value: impl Fn(usize) -> Vec3, n: usize) -> f64 {
+    let forces = forces_of_blocks(blocks, &value, n);
+    forces.iter().enumerate().map(|(a, f)| 0.5 * f.dot(&value(a))).sum()
+}
+
+/// Product of the lower blocks of an element's tangent with its nodal vectors.
+pub fn forces_of_blocks(blocks: &[f64], value: impl Fn(usize) -> Vec3, n: usize) -> Vec<Vec3> {
+    let mut out = vec![Vec3::zeros(); n];
+    let pairs = (0..n).flat_map(|a| (0..=a).map(move |b| (a, b)));
+    for ((a, b), block) in pairs.zip(blocks.chunks_exact(9)) {
+        let block = Mat3::from_row_slice(block);
+        out[a] += block * value(b);
+        if a != b {
+            out[b] += block.transpose() * value(a);
+        }
+    }
+    out
 }

@@ -37,7 +37,7 @@ element_types!(modules);
 pub use geometry::ShellGeometry;
 pub use group::{
     ElementGroup, GroupPoint, InternalVariables, Motion, Nodal, StressIncrement, TangentRequest,
-    TangentWeights,
+    TangentWeights, energy_of_blocks, forces_of_blocks,
 };
 pub use quadratic::QuadraticGroup;
 pub use shell::ShellElement;

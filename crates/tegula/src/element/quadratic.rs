@@ -380,6 +380,17 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
         });
     }
 
+    fn material_energies(&self, k: &GroupPoint, motion: &[Nodal], energies: &mut [f64]) {
+        for_each_chunk(energies, 1, &|first, energies| {
+            for (e, energy) in (first..).zip(energies) {
+                let StrainState { acting, strain, .. } = self.stress(e, k);
+                let change = self.strains.rates(&acting, &self.strains.directions(&self.gather(e, motion)));
+                let stress = self.constitution.tangent_product(e, &strain, &change, &self.interior(e, k));
+                *energy = 0.5 * change.iter().zip(&stress).map(|(s, n)| s * n).sum::<f64>();
+            }
+        });
+    }
+
     fn sampled_strains(&self, element: usize, k: &GroupPoint) -> Vec<f64> {
         self.strain(element, k).to_vec()
     }

@@ -568,3 +568,28 @@ fn wrong_bushings_are_refused_with_their_place() {
     model.analysis = Analysis::Static(StaticAnalysis { linear: true, ..StaticAnalysis::default() });
     refused(&model, "analysis");
 }
+
+/// A bushing that is stiff but against one rotation is a hinge with a soft spring: its body has a slow mode and no rigid one.
+#[test]
+fn stiff_bushings_that_are_soft_in_one_rotation_have_a_slow_mode() {
+    let (mass, inertia) = (785.0, [65.0, 66.0, 130.0]);
+    let turning = inertia[1] + mass * 0.25;
+    for (stiff, soft) in [(1e9, 1e-4), (1e12, 1.0), (1e13, 10.0)] {
+        let mount = Bushing {
+            axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            stiffness: Some([stiff, stiff, stiff, stiff, soft, stiff]),
+            ..bushing(["ground", "box"], [0.0; 3])
+        };
+        let bodies = vec![body("box", [0.5, 0.0, 0.0], mass, Some(inertia))];
+        let analysis = Analysis::Modal(ModalAnalysis::new(2));
+        let mut model = Model::of_bodies(analysis, bodies, Vec::new());
+        model.bushings = vec![mount];
+        let exact = (soft / turning).sqrt();
+        let mode = &modal::run(&built(&model), 2, None, &mut Silent).unwrap().modes[0];
+        assert!(
+            !mode.rigid && (mode.omega / exact - 1.0).abs() < 1e-6,
+            "{stiff:e} {soft:e}: {} {exact}",
+            mode.omega
+        );
+    }
+}

@@ -2,7 +2,7 @@
 //! joints in the place of supports.
 
 use crate::common::on;
-use crate::multibody::{between, body, gravity, revolute, spherical};
+use crate::multibody::{between, body, gravity, revolute, spherical, spring};
 use tegula::analysis::modal::{self, ModalOutcome};
 use tegula::analysis::{Silent, State, statics};
 use tegula::model::*;
@@ -572,4 +572,56 @@ fn a_model_that_joints_hold_altogether_has_no_modes_and_says_so() {
     let mut notes = crate::common::Notes::default();
     let outcome = modal::run(&system, options.modes as usize, None, &mut notes).unwrap();
     assert!(outcome.modes.is_empty() && notes.events[0].contains("it has no modes"), "{:?}", notes.events);
+}
+
+/// Point masses on bushings that are linked by springs along one axis: each axis vibrates by itself, that of the springs as a chain. A rotation about the
+/// line of the masses moves none of them, and is no rigid mode.
+#[test]
+fn point_masses_on_a_line_of_springs_have_the_modes_of_a_chain() {
+    let masses = [2.0, 1.0, 1.7];
+    let held = [[800.0, 900.0, 1000.0], [10.0, 400.0, 500.0], [310.0, 120.0, 77.0]];
+    for count in [2, 3] {
+        for axis in 0..3 {
+            let at = |i: usize| std::array::from_fn(|j| if j == axis { i as f64 } else { 0.0 });
+            let name = |i: usize| format!("mass {i}");
+            let bodies = (0..count).map(|i| body(&name(i), at(i), masses[i], None)).collect();
+            let mut model = Model::of_bodies(modal(3 * count as u32, false), bodies, Vec::new());
+            let mount = |i: usize| Bushing {
+                name: format!("mount {i}"),
+                between: between("ground", &name(i)),
+                at: at(i),
+                axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+                stiffness: Some(std::array::from_fn(|j| if j < 3 { held[i][j] } else { 0.0 })),
+                stiffness_matrix: None,
+                damping: None,
+                damping_matrix: None,
+                free: [0.0; 6],
+            };
+            model.bushings = (0..count).map(mount).collect();
+            let link =
+                |i: usize| spring(&format!("link {i}"), [&name(i), &name(i + 1)], [at(i), at(i + 1)], 300.0);
+            model.springs = (0..count - 1).map(link).collect();
+            let mut exact = Vec::new();
+            for direction in 0..3 {
+                let chain = nalgebra::DMatrix::from_fn(count, count, |i, j| {
+                    let links = usize::from(i > 0) + usize::from(i + 1 < count);
+                    let k = match (i.abs_diff(j), direction == axis) {
+                        (0, true) => held[i][direction] + 300.0 * links as f64,
+                        (0, false) => held[i][direction],
+                        (1, true) => -300.0,
+                        _ => 0.0,
+                    };
+                    k / (masses[i] * masses[j]).sqrt()
+                });
+                exact.extend(chain.symmetric_eigenvalues().iter().map(|x| x.sqrt()));
+            }
+            exact.sort_by(f64::total_cmp);
+            let (_, found) = modes(&model);
+            assert_eq!(found.modes.len(), exact.len());
+            for (mode, exact) in found.modes.iter().zip(&exact) {
+                assert!((mode.omega / exact - 1.0).abs() < 1e-9, "{count} {axis}: {} {exact}", mode.omega);
+                assert!(!mode.rigid && mode.residual < 1e-12);
+            }
+        }
+    }
 }

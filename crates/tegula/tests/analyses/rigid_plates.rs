@@ -179,6 +179,44 @@ fn soft_hinges_of_stiff_plates_have_a_frequency_under_loads() {
     }
 }
 
+/// Springs a trillion times as soft as their plates give a frequency about a loaded state, too, also where the plate has turned far; where the plate is as
+/// stiff as that, gravity gives the frequency of the pendulum.
+#[test]
+fn nearly_rigid_plates_have_a_frequency_about_a_loaded_state() {
+    let (mass, thickness) = (785.0, 0.1);
+    let about_edge = mass * (1.0 / 3.0 + thickness * thickness / 12.0);
+    let of = |young: f64, elements: u32, spring: f64, load: Load| {
+        let mesh = plate([1.0, 1.0], [elements; 2], 0.0);
+        let options = ModalAnalysis { prestressed: true, ..ModalAnalysis::new(1) };
+        let material = Isotropic::new(young, 0.3, mass / thickness);
+        let mut m = Model::new(mesh, Analysis::Modal(options), material, thickness);
+        m.bodies = vec![hub("arm", [0.0, 0.5, 0.0], &["u_min"])];
+        m.joints = vec![revolute("hinge", "ground", "arm", [0.0, 0.5, 0.0], Y)];
+        if spring > 0.0 {
+            m.torsion_springs = vec![torsion_spring(["ground", "arm"], Y, spring)];
+        }
+        m.loads = vec![load];
+        let (_, system) = compile(&m);
+        let state = modal::prestress(&system, &mut Notes::default()).unwrap().state;
+        let found = modal::run(&system, 1, Some(&state), &mut Notes::default()).unwrap();
+        assert!(!found.modes[0].rigid, "{young:e} {spring:e}");
+        found.modes[0].omega
+    };
+    for (elements, soft) in [(8, 0.01), (16, 0.1), (32, 0.3)] {
+        let omega = of(2.1e11, elements, soft, Load::Edge(vector_load("u_max", [0.0, 1e-9, 0.0])));
+        let exact = (soft / about_edge).sqrt();
+        assert!((omega / exact - 1.0).abs() < 1e-6, "{elements} {soft}: {omega} {exact}");
+        let turning = Load::Moment(vector_load("arm", [0.0, soft, 0.0]));
+        let omega = of(2.1e11, elements, soft, turning);
+        assert!((omega / exact - 1.0).abs() < 1e-4, "turned {elements} {soft}: {omega} {exact}");
+    }
+    let exact = (mass * GRAVITY * 0.5 / about_edge).sqrt();
+    for young in [1e14, 1e16, 1e17] {
+        let omega = of(young, 8, 0.0, gravity([GRAVITY, 0.0, 0.0]));
+        assert!((omega / exact - 1.0).abs() < 1e-7, "{young:e}: {omega} {exact}");
+    }
+}
+
 /// Without loads the strain energy, whose round-off is the square of that of the stiffness, tells slow motions from free ones.
 #[test]
 fn very_soft_hinges_of_stiff_plates_have_a_frequency() {

@@ -1,12 +1,13 @@
 //! Whether supports, joints and springs that stand in the fixed frame let a model turn about an axis, and hold it in the same way in all
 //! directions across the axis. Else there is no relative equilibrium, and the coefficients of small motions depend on the time.
 
-use super::problem::{Problem, tangent_energy};
+use super::problem::Problem;
 use super::spinning::Spin;
+use super::strain_energy::tangent_energy;
 use crate::analysis::State;
 use crate::analysis::constraints::Rates;
 use crate::constraint::Quantity;
-use crate::element::{Motion, Nodal};
+use crate::element::{Motion, Nodal, TangentWeights};
 use crate::norm::larger;
 use crate::system::dof_map::CONSTRAINED;
 use crate::system::{System, VectorKind};
@@ -149,7 +150,8 @@ fn springs(problem: &mut Problem, spin: &Spin) -> Option<String> {
             let (vectors, _) = sample.as_chunks::<3>();
             let rotated: Vec<Nodal> = vectors.iter().map(|x| (rotation * Vec3::from(*x)).into()).collect();
             let energy = |state: &State, field: &[Nodal]| {
-                tangent_energy(group, &state.point(system).of_group(system, number, &factors), field)
+                let k = state.point(system).of_group(system, number, &factors);
+                tangent_energy(group, &k, TangentWeights::STATIC, field)
             };
             let [first, second] = [energy(state, vectors), energy(&after, &rotated)];
             stiffness = larger(stiffness, larger(first.abs(), second.abs()));

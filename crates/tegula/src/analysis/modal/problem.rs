@@ -5,16 +5,15 @@
 //! is small beside the shift of the one is large beside that of the other, and round-off of the stiff part hides the
 //! soft one. Parts of like frequencies therefore form a group, with a shift of its own.
 
-use super::rigid::{Parts, RigidModes, forces_of};
+use super::rigid::{Parts, RigidModes};
+use super::strain_energy::{OF_SPRINGS, ground_resists};
 use crate::analysis::newton::Newton;
 use crate::analysis::{Observer, State, equilibrium};
-use crate::constraint::{BushingGroup, SpringGroup, TorsionSpringGroup};
-use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest, TangentWeights};
+use crate::element::{ElementGroup, TangentWeights};
 use crate::model::NewtonMethod;
-use crate::norm::larger;
+use crate::system::System;
 use crate::system::assembly::TangentCoefficients;
-use crate::system::{EvaluationPoint, System, VectorKind, dot};
-use crate::{Error, Result, Vec3};
+use crate::{Error, Result};
 use tegula_sparse::lanczos::SymmetricOperator;
 use tegula_sparse::{Factor as _, SymmetricPattern};
 
@@ -22,20 +21,8 @@ use tegula_sparse::{Factor as _, SymmetricPattern};
 const APART: f64 = 1e4;
 /// First shift as a part of the lowest ratio of the diagonals of K and M.
 const FIRST_SHIFT: f64 = 1e-10;
-/// Round-off of an eigenvalue over the sum of its terms' sizes. The equilibrium itself is known to a similar part of its forces.
-const ROUND_OFF: f64 = 1e-12;
-/// Bound of the round-off in the strain energy of rigid motions: squares of the machine precision, with the margin of [`ROUND_OFF`].
-const ROUND_OFF_OF_STRAIN: f64 = 1e6 * f64::EPSILON * f64::EPSILON;
-/// Strain energy over the shift that stiffer modes add to a vector of the shift-inverted iteration: its eigenvalues are known to the machine
-/// precision of the shift, and its vectors contain stiffer ones by the square root of less.
-const ROUND_OFF_OF_SHIFT: f64 = 1e-4 * f64::EPSILON;
-/// Bound of the round-off in the energy of springs, relative to the terms of its sum.
-const ROUND_OFF_OF_SPRINGS: f64 = 64.0 * f64::EPSILON;
 /// Number of times that the first shift is multiplied by 100 before the matrix counts as indefinite.
 const ATTEMPTS: usize = 12;
-
-/// Groups whose energy is that of a length or an angle, with the cancellation of its change.
-const OF_SPRINGS: [&str; 3] = [SpringGroup::NAME, TorsionSpringGroup::NAME, BushingGroup::NAME];
 
 /// Rigid mode in the free degrees of freedom of its part, with its product with M.
 struct Sparse {
@@ -78,14 +65,14 @@ pub(super) struct Problem<'a> {
     pub newton: Newton,
     pub pattern: SymmetricPattern,
     pub stiffness: Vec<f64>,
+    /// Geometric part of the stiffness; empty where the state is free of stress.
+    pub geometric_stiffness: Vec<f64>,
     pub mass: Vec<f64>,
     pub groups: Vec<Group>,
     pub parts: Parts,
     pub rigid: RigidModes,
     /// Whether the strain energy of a small motion is ½ δs·H δs: about a stress-free reference of linear materials.
     pub stress_free: bool,
-    /// Whether the model has springs.
-    sprung: bool,
     /// Whether joints balance the springs that are stressed in the reference configuration.
     pub balanced: bool,
     /// State about which the model vibrates.
@@ -93,7 +80,7 @@ pub(super) struct Problem<'a> {
     /// Weight of the augmented Lagrangian of joints, which is part of the stiffness.
     penalty: f64,
     /// Scale of the stiffness of elements (force/length) where nodes are attached to bodies, else 0.
-    stiffness_of_elements: f64,
+    pub stiffness_of_elements: f64,
     /// Most that centrifugal forces take from an eigenvalue without them: shifts are below it.
     pub softening: f64,
     /// Applications of the inverse so far.
@@ -123,45 +110,51 @@ impl<'a> Problem<'a> {
             balanced =
                 equilibrium::find_multipliers(system, &newton.assembly, &mut state, (&forces, penalty));
         }
-        let (u, time) = (state.u.as_slice(), state.time);
-        let stiffness = stiffness(system, &mut newton, (&state, penalty), equilibrium.is_some());
+        let strained = system.prescribed_strains.iter().any(|p| system.factor(&p.factor, state.time) != 0.0);
+        let linear = system.sections.iter().all(|s| s.section.is_linear());
+        let preloaded = has_springs(system) && is_preloaded(system, &state);
+        let stress_free = equilibrium.is_none() && linear && !strained && !preloaded;
+        // The loads on inextensible directors and on bodies enter at an equilibrium.
+        let loads = if equilibrium.is_some() {
+            equilibrium::external(system, &state.point(system))
+        } else {
+            vec![[0.0; 3]; system.vectors()]
+        };
+        let mut geometric_stiffness = Vec::new();
+        if !stress_free {
+            equilibrium::assemble_geometric(system, &mut newton.assembly, &state, &loads);
+            geometric_stiffness.clone_from(&newton.assembly.values);
+        }
+        equilibrium::assemble_tangent(system, &mut newton.assembly, (&state, penalty), &loads);
+        let stiffness = newton.assembly.values.clone();
         let mut mass = vec![0.0; stiffness.len()];
         newton.assembly.mass_values(system, &mut mass);
-        let pattern = system.tangent_pattern();
         let parts = Parts::new(system);
-        let strained = system.prescribed_strains.iter().any(|p| system.factor(&p.factor, time) != 0.0);
-        let mut moved = vec![false; parts.count()];
-        // Bodies of a model that was assembled have no stresses from it.
-        let assembled = system.start.as_ref().filter(|_| !system.continues());
-        for (v, u) in u.iter().enumerate() {
-            let rest = assembled.map_or([0.0; 3], |start| start.u[v]);
-            moved[parts.of(v)] |= *u != rest;
-        }
+        let moved = moved_parts(system, &state, &parts);
         let rests = |part: usize| !strained && !moved[part];
-        let rigid = RigidModes::new(system, &state, &parts, &newton.assembly.frames, rests);
-        let linear = system.sections.iter().all(|s| s.section.is_linear());
-        let sprung = has_springs(system);
-        let preloaded = sprung && is_preloaded(system, &state);
-        let coefficients =
-            TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: state.time };
+        let mut rigid = RigidModes::new(system, &state, &parts, &newton.assembly.frames, rests);
+        // The forces of stiff directions of a spring hide those of soft ones; their strain energies do not.
+        rigid.retain(&parts, |shape| !ground_resists(system, &state, shape));
         let stiffness_of_elements = if system.dofs().attached.is_empty() {
             0.0
         } else {
+            let weights = TangentWeights::STATIC;
+            let coefficients = TangentCoefficients { weights, mass: 0.0, time: state.time };
             newton.assembly.stiffness_of_elements(system, &state.point(system), &coefficients)
         };
         let mut out = Self {
             system,
             newton,
             values: vec![0.0; stiffness.len()],
-            pattern,
+            pattern: system.tangent_pattern(),
             stiffness,
+            geometric_stiffness,
             mass,
             groups: Vec::new(),
             group_of: Vec::new(),
             parts,
             rigid,
-            stress_free: equilibrium.is_none() && linear && !strained && !preloaded,
-            sprung,
+            stress_free,
             balanced,
             state,
             penalty,
@@ -179,7 +172,7 @@ impl<'a> Problem<'a> {
         let mut lowest = vec![f64::INFINITY; self.parts.count()];
         let diagonals = self.pattern.diagonal(&self.stiffness).zip(self.pattern.diagonal(&self.mass));
         // Joints may hold what loads would tip over; springs, and nodes to which bodies are attached, leave some motions of bodies free.
-        let loose = self.sprung || self.system.may_be_loose();
+        let loose = has_springs(self.system) || self.system.may_be_loose();
         let counts = |k: f64, m: f64| m > 0.0 && (k > 0.0 || !loose);
         for ((k, m), &part) in diagonals.zip(&part_of).filter(|((k, m), _)| counts(*k, *m)) {
             lowest[part] = lowest[part].min(k / m);
@@ -275,37 +268,6 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Size of the round-off in the eigenvalue of a vector of unit modal mass: that of the terms of `xᵀ K x`.
-    pub fn round_off(&self, x: &[f64]) -> f64 {
-        let sizes: Vec<f64> = x.iter().map(|x| x.abs()).collect();
-        let stiffness: Vec<f64> = self.stiffness.iter().map(|k| k.abs()).collect();
-        let mut product = vec![0.0; x.len()];
-        self.pattern.add_product(&stiffness, &sizes, &mut product);
-        ROUND_OFF * product.iter().zip(&sizes).map(|(k, x)| k * x).sum::<f64>()
-    }
-
-    /// Bound of the round-off in the strain energy of a motion over its modal mass: strains are differences of displacements that are known to
-    /// the machine precision, and enter squared; the energy of springs by their tangent is a sum that cancels. The vector itself is found by
-    /// shift-inverted iteration.
-    pub fn round_off_of_strain(&self, x: &[f64], shape: &[Nodal]) -> f64 {
-        let kinds = &self.system.coordinates.kinds;
-        let attached = self.system.dofs().attached.iter().map(|attached| attached.vector as usize);
-        let positions = attached.filter(|v| kinds[*v] == VectorKind::Position);
-        let squares: f64 = positions.map(|v| dot(&shape[v..=v], &shape[v..=v])).sum();
-        let shift = self.groups.iter().map(|group| group.shift.abs()).fold(0.0, larger);
-        let strains = self.round_off(x) / ROUND_OFF + self.stiffness_of_elements * squares;
-        let factors: Vec<f64> = self.system.factors(self.state.time).collect();
-        let state = self.state.point(self.system);
-        let springs =
-            self.system.numbered_groups().filter(|(_, group, _)| OF_SPRINGS.contains(&group.name()));
-        let of_springs: f64 = springs
-            .map(|(g, group, _)| {
-                sum_of_terms(group, &state.of_group(self.system, g, &factors), shape, f64::abs)
-            })
-            .sum();
-        ROUND_OFF_OF_STRAIN * strains + ROUND_OFF_OF_SPRINGS * 2.0 * of_springs + ROUND_OFF_OF_SHIFT * shift
-    }
-
     /// Factors with the groups' shifts; true if the matrix is positive definite.
     pub fn factor_shifted(&mut self) -> bool {
         self.factor(|g| g.shift) == Some(0)
@@ -335,31 +297,22 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Energy of a small motion from the state, summed from its strains without cancellation; that of springs by their tangent.
-    pub fn small_strain_energy(&mut self, shape: &[Nodal]) -> f64 {
-        let motion = Motion::State { u: shape, velocity: None };
-        let k = EvaluationPoint { motion, linear: true, time: 0.0, internal: (&self.state.history).into() };
-        if !self.sprung {
-            return self.newton.assembly.strain_energy(self.system, &k);
-        }
-        let factors = |time: f64| -> Vec<f64> { self.system.factors(time).collect() };
-        let (of_motion, of_state, state) =
-            (factors(k.time), factors(self.state.time), self.state.point(self.system));
-        let of_group = |(number, group, _): (usize, &dyn ElementGroup, _)| {
-            if OF_SPRINGS.contains(&group.name()) {
-                return tangent_energy(group, &state.of_group(self.system, number, &of_state), shape);
-            }
-            let mut energies = vec![0.0; group.len()];
-            group.energies(&k.of_group(self.system, number, &of_motion), &mut energies);
-            energies.iter().sum()
-        };
-        self.system.numbered_groups().map(of_group).sum()
-    }
-
     /// Shift-invert operator of a group with the present factor.
     pub fn operator<'b>(&'b mut self, group: usize, watch: &'b dyn Observer) -> ShiftInvert<'b, 'a> {
         ShiftInvert { problem: self, group, watch }
     }
+}
+
+/// Whether each part is elsewhere than where it has no stresses.
+fn moved_parts(system: &System, state: &State, parts: &Parts) -> Vec<bool> {
+    // Bodies of a model that was assembled have no stresses from it.
+    let assembled = system.start.as_ref().filter(|_| !system.continues());
+    let mut moved = vec![false; parts.count()];
+    for (v, u) in state.u.iter().enumerate() {
+        let rest = assembled.map_or([0.0; 3], |start| start.u[v]);
+        moved[parts.of(v)] |= *u != rest;
+    }
+    moved
 }
 
 /// Whether a model has springs, torsion springs or bushings.
@@ -379,54 +332,6 @@ fn is_preloaded(system: &System, state: &State) -> bool {
             forces
         });
     forces.into_iter().any(|force| force != 0.0)
-}
-
-/// Energy ½ φ·K φ of a group by its tangent K.
-pub(super) fn tangent_energy(group: &dyn ElementGroup, k: &GroupPoint, shape: &[Nodal]) -> f64 {
-    sum_of_terms(group, k, shape, |x| x)
-}
-
-/// Sum of the terms of ½ φ·K φ, of whose factors `part` is taken: all of them, or their absolute values.
-fn sum_of_terms(
-    group: &dyn ElementGroup,
-    k: &GroupPoint,
-    shape: &[Nodal],
-    part: impl Fn(f64) -> f64 + Copy,
-) -> f64 {
-    let n = group.vectors_per_element();
-    let size = 9 * n * (n + 1) / 2;
-    let (mut forces, mut blocks) = (vec![0.0; 3 * n * group.len()], vec![0.0; size * group.len()]);
-    let request = TangentRequest {
-        weights: TangentWeights::STATIC,
-        stress: None,
-        prescribed: None,
-        blocks: &mut blocks,
-    };
-    group.evaluate(k, 0, &mut forces, Some(request));
-    blocks.iter_mut().for_each(|x| *x = part(*x));
-    let of_element = |(element, blocks): (usize, &[f64])| {
-        let vectors = group.vectors(element);
-        let value = |a: usize| Vec3::from(shape[vectors[a] as usize]).map(part);
-        let forces = forces_of(blocks, value, n);
-        forces.iter().enumerate().map(|(a, f)| 0.5 * f.dot(&value(a))).sum::<f64>()
-    };
-    blocks.chunks_exact(size).enumerate().map(of_element).sum()
-}
-
-/// Tangent at a state, in the free degrees of freedom; the loads on inextensible directors enter at an equilibrium.
-fn stiffness(
-    system: &System,
-    newton: &mut Newton,
-    (state, penalty): (&State, f64),
-    loaded: bool,
-) -> Vec<f64> {
-    let loads = if loaded {
-        equilibrium::external(system, &state.point(system))
-    } else {
-        vec![[0.0; 3]; system.vectors()]
-    };
-    equilibrium::assemble_tangent(system, &mut newton.assembly, (state, penalty), &loads);
-    newton.assembly.values.clone()
 }
 
 /// Ends the analysis if the user has asked for it.

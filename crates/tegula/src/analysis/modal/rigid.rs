@@ -9,11 +9,11 @@
 
 use nalgebra::{DMatrix, SMatrix, SymmetricEigen};
 
+use crate::Vec3;
 use crate::analysis::State;
-use crate::element::{Nodal, TangentRequest, TangentWeights};
+use crate::element::{Nodal, TangentRequest, TangentWeights, forces_of_blocks};
 use crate::norm::larger;
 use crate::system::{LocalFrames, System, VectorKind, dot3};
-use crate::{Mat3, Vec3};
 
 /// Number of rigid motions of a part: t + ω × x of positions, ω × d of directors.
 const MOTIONS: usize = 6;
@@ -185,6 +185,13 @@ impl RigidModes {
         self.modes.len()
     }
 
+    /// Drops the modes that are none.
+    pub fn retain(&mut self, parts: &Parts, is_rigid: impl Fn(&[Nodal]) -> bool) {
+        let kept: Vec<bool> = (0..self.len()).map(|mode| is_rigid(&self.shape(mode, parts))).collect();
+        let mut kept = kept.into_iter();
+        self.modes.retain(|_| kept.next().unwrap_or(true));
+    }
+
     /// Part of a rigid mode.
     pub fn part(&self, mode: usize) -> usize {
         self.modes[mode].part
@@ -308,8 +315,9 @@ fn add_ground_gram(
         for element in grounded {
             let (vectors, blocks) = (group.vectors(element), &blocks[element * size..(element + 1) * size]);
             let scale = blocks.iter().map(|k| k.abs()).fold(0.0, larger);
-            let exerted: [Vec<Vec3>; MOTIONS] =
-                std::array::from_fn(|i| forces_of(blocks, |a| Vec3::from(fields[i][vectors[a] as usize]), n));
+            let exerted: [Vec<Vec3>; MOTIONS] = std::array::from_fn(|i| {
+                forces_of_blocks(blocks, |a| Vec3::from(fields[i][vectors[a] as usize]), n)
+            });
             let exerted = DMatrix::from_fn(3 * n, MOTIONS, |row, i| exerted[i][row / 3][row % 3]);
             let svd = exerted.svd(false, true);
             let largest = svd.singular_values.iter().copied().fold(0.0, larger);
@@ -324,22 +332,9 @@ fn add_ground_gram(
     }
 }
 
-/// Product of the lower blocks of an element's tangent with its nodal vectors.
-pub(super) fn forces_of(blocks: &[f64], value: impl Fn(usize) -> Vec3, n: usize) -> Vec<Vec3> {
-    let mut out = vec![Vec3::zeros(); n];
-    let pairs = (0..n).flat_map(|a| (0..=a).map(move |b| (a, b)));
-    for ((a, b), block) in pairs.zip(blocks.chunks_exact(9)) {
-        let block = Mat3::from_row_slice(block);
-        out[a] += block * value(b);
-        if a != b {
-            out[b] += block.transpose() * value(a);
-        }
-    }
-    out
-}
-
 /// Motions that the supports' rows leave free (their null space), orthogonal in the mass of the part and of unit modal
-/// mass.
+/// mass. Those without mass, as the rotation of point masses on a line about it, are no modes: their mass is round-off beside
+/// that of the part, also where no other motion is free.
 fn modes_of_part(rows: &Six, mass: &Six) -> Vec<[f64; MOTIONS]> {
     let eigen = SymmetricEigen::new(*rows);
     let largest = eigen.eigenvalues.max();
@@ -353,10 +348,9 @@ fn modes_of_part(rows: &Six, mass: &Six) -> Vec<[f64; MOTIONS]> {
     let eigen = reduced.symmetric_eigen();
     let mut order: Vec<usize> = (0..free.len()).collect();
     order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
-    let largest = eigen.eigenvalues.iter().copied().fold(0.0, larger);
     let motion = |k: usize| {
         let value = eigen.eigenvalues[k];
-        (value > FREE * largest).then(|| {
+        (value > FREE * mass.trace()).then(|| {
             let c = &basis * eigen.eigenvectors.column(k) / value.sqrt();
             std::array::from_fn(|i| c[i])
         })
