@@ -70,7 +70,8 @@ class Simulation:
     def repeat(self) -> None:
         """Undoes the last step, to take it again with other signals.
 
-        The step ends at the same time when it is taken again, so another program can be coupled by iterations within each step.
+        The step ends at the same time when it is taken again, so another program can be coupled by iterations within each step; it ends earlier
+        only where a body then hits a stop or begins to stick.
         Raises `ValueError` before the first step, and if the last step has already been undone.
         """
         self._steps.repeat()

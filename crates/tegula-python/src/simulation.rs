@@ -208,7 +208,7 @@ impl Analysed {
         })
     }
 
-    /// Goes back to the start of the last step, which ends at the same time when it is taken again.
+    /// Goes back to the start of the last step, which ends at the same time when it is taken again, or earlier at an impact.
     fn repeat(&mut self) -> PyResult<()> {
         let Self { running, before, iterations, again_to, .. } = self;
         running.with_dependent_mut(|_, stepper| {

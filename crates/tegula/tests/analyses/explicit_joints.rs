@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::common::{Notes, move_in_time};
+use crate::common::{Notes, move_in_time, vector_load};
 use crate::multibody::{
     axis_joint, between, body, gravity, heavy_top, machine, pose, revolute, run, spin, spring,
 };
@@ -494,4 +494,19 @@ fn a_body_at_rest_stays_at_rest() {
     model.loads = gravity([0.0, -9.81, 0.0]);
     let outcome = dynamics::run(&built(&model), options(&model), None, &mut Notes::default()).unwrap();
     assert!(outcome.state.u.iter().flatten().all(|x| x.abs() < 1e-12));
+}
+
+/// A load that jumps within a ten-millionth of the analysis acts as a jump: steps end at both of its ends, and are not shortened for it elsewhere.
+#[test]
+fn a_steep_ramp_of_a_load_acts_as_a_jump() {
+    let mut model = explicit(1.0, None, vec![body("mass", [0.0; 3], 2.0, None)], Vec::new());
+    let table = TableAmplitude { times: vec![0.0, 0.5, 0.5 + 1e-7, 1.0], values: vec![3.0, 3.0, -1.0, -1.0] };
+    model.amplitudes.insert("jump".into(), Amplitude::Table(table));
+    let load = VectorLoad { amplitude: Some("jump".into()), ..vector_load("mass", [1.0, 0.0, 0.0]) };
+    model.loads = vec![Load::Force(load)];
+    let outcome = dynamics::run(&built(&model), options(&model), None, &mut Notes::default()).unwrap();
+    let [x, v] = [outcome.state.u[0][0], outcome.state.v[0][0]];
+    assert!((x - 0.5).abs() < 1e-5 && (v - 0.5).abs() < 1e-5, "{x} {v}");
+    assert!((outcome.state.work / 0.25 - 1.0).abs() < 1e-4, "{}", outcome.state.work);
+    assert!(outcome.statistics.steps < 300_000, "{:?}", outcome.statistics);
 }
