@@ -21,6 +21,7 @@ coupling with other programs.
 """
 
 from ._errors import AnalysisError, Diagnostic, ModelError, ModelWarning, OutputError, TegulaError
+from ._mesh import from_meshio, from_pyvista
 from ._model import Model, Progress, run
 from ._result import Frame, Result, StateSpace, Table
 from ._simulation import Energies, Simulation, Statistics
@@ -43,5 +44,7 @@ __all__ = [
     "Table",
     "TegulaError",
     "__version__",
+    "from_meshio",
+    "from_pyvista",
     "run",
 ]

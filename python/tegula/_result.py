@@ -40,7 +40,7 @@ class Frame:
 
 
 class Table(Mapping[str, NDArray[np.float64]]):
-    """Columns of a table by their names; each is an array with an entry for each row."""
+    """Columns of a table by their names; each is a read-only array with an entry for each row."""
 
     def __init__(self, path: Path) -> None:
         try:
@@ -56,7 +56,10 @@ class Table(Mapping[str, NDArray[np.float64]]):
             raise OutputError(f"the table {path} is damaged: {error}") from error
         if values.shape[1] != len(names):
             raise OutputError(f"the table {path} is damaged: it has {values.shape[1]} columns for {len(names)} names")
-        self._columns = dict(zip(names, values.T.copy(), strict=True))
+        columns = values.T.copy()
+        # All who read the result share them.
+        columns.flags.writeable = False
+        self._columns = dict(zip(names, columns, strict=True))
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         try:

@@ -61,6 +61,71 @@ class Models(unittest.TestCase):
             self.assertEqual(other, model)
             self.assertEqual(hash(other), hash(model))
 
+    def strip(self) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+        """Nodes and elements of the mesh of the cantilever."""
+        x, y = np.meshgrid(np.linspace(0.0, LENGTH, 21), np.linspace(0.0, WIDTH, 3), indexing="ij")
+        nodes = np.column_stack([x.ravel(), y.ravel(), np.zeros(63)])
+        first = (3 * np.arange(20)[:, None] + np.arange(2)).ravel()
+        return nodes, np.column_stack([first, first + 3, first + 4, first + 1])
+
+    def tip(self, mesh: dict[str, Any]) -> float:
+        keys = cantilever(mesh=mesh, conditions=[{"type": "clamp", "on": "root"}])
+        keys["loads"][0]["on"] = "end"
+        keys["output"]["points"][0]["on"] = "corner"
+        return float(tegula.Model(keys).run().history["tip.uz"][-1])
+
+    def test_meshes_of_arrays_are_those_of_the_generator(self) -> None:
+        nodes, quads = self.strip()
+        mesh = {"type": "arrays", "nodes": nodes, "quads": quads, "node_sets": {"root": np.arange(3), "corner": [60]},
+                "edge_sets": {"end": np.array([[60, 61], [61, 62]])}}
+        expected = float(tegula.Model(cantilever()).run().history["tip.uz"][-1])
+        self.assertAlmostEqual(self.tip(mesh) / expected, 1.0, places=9)
+        mesh["quads"] = np.where(quads == 62, 63, quads)
+        with self.assertRaisesRegex(tegula.ModelError, "element 39 has the node 63, and the mesh has 63 nodes"):
+            self.tip(mesh)
+
+    def test_meshes_of_meshio_and_pyvista_become_models(self) -> None:
+        try:
+            import meshio  # type: ignore[import-not-found, import-untyped, unused-ignore]
+            import pyvista  # type: ignore[import-not-found, import-untyped, unused-ignore]
+        except ImportError as missing:
+            self.skipTest(str(missing))
+        nodes, quads = self.strip()
+        end = [[60, 61], [61, 62]]
+        expected = float(tegula.Model(cantilever()).run().history["tip.uz"][-1])
+        # Sets of two blocks of elements, of lines and of points; two coordinates; a node that no element has.
+        sets = {"left": [np.arange(10), [], [], []], "both": [[9], [0], [], []], "end": [[], [], [0, 1], []], "corner": [[], [], [], [0]],
+                "gmsh:bounding_entities": [[0], [], [], []]}
+        cells = [("quad", quads[:20]), ("quad", quads[20:]), ("line", end), ("vertex", [[60]])]
+        mesh = meshio.Mesh(np.vstack([nodes[:, :2], [[9.0, 9.0]]]), cells, cell_sets=sets, point_sets={"root": np.arange(3)})
+        taken = tegula.from_meshio(mesh)
+        self.assertEqual(taken["quad_sets"]["left"].tolist(), list(range(10)))
+        self.assertEqual(taken["quad_sets"]["both"].tolist(), [9, 20])
+        self.assertEqual(taken["edge_sets"]["end"].tolist(), end)
+        self.assertEqual({*taken["node_sets"]}, {"root", "corner"})
+        self.assertAlmostEqual(self.tip(taken) / expected, 1.0, places=9)
+        # Physical groups, as of Gmsh.
+        groups = meshio.Mesh(nodes, cells[:3], cell_data={"gmsh:physical": [np.full(20, 7), np.full(20, 8), np.full(2, 7)]},
+                             field_data={"first": np.array([7, 2]), "end": np.array([7, 1])}, point_sets={"root": [0, 1, 2], "corner": [60]})
+        taken = tegula.from_meshio(groups)
+        self.assertEqual(taken["quad_sets"]["first"].tolist(), list(range(20)))
+        self.assertAlmostEqual(self.tip(taken) / expected, 1.0, places=9)
+        triangles = meshio.Mesh(nodes, [("triangle", [[0, 1, 3]])])
+        with self.assertRaisesRegex(ValueError, "1 cells of type triangle"):
+            tegula.from_meshio(triangles)
+
+        surface = pyvista.PolyData(nodes, np.column_stack([np.full(40, 4), quads]))
+        surface.point_data["root"] = np.arange(63) < 3
+        surface.point_data["corner"] = np.arange(63) == 60
+        surface.cell_data["end"] = np.arange(40) >= 38
+        taken = tegula.from_pyvista(surface)
+        self.assertEqual(taken["quad_sets"]["end"].tolist(), [38, 39])
+        taken["edge_sets"] = {"end": end}
+        taken.pop("quad_sets")
+        self.assertAlmostEqual(self.tip(taken) / expected, 1.0, places=9)
+        with self.assertRaisesRegex(ValueError, "number 5 of VTK"):
+            tegula.from_pyvista(pyvista.PolyData(nodes, [3, 0, 1, 3]))
+
     def test_keys_that_are_none_are_left_out(self) -> None:
         self.assertNotIn("title", tegula.Model(cantilever(title=None)).keys())
 

@@ -275,7 +275,12 @@ impl Steps {
             let warned = std::mem::take(&mut analysed.warned.0);
             drop(guard);
             warnings.extend(warned);
-            outcome?;
+            // The exception takes the warnings along.
+            outcome.inspect_err(|error| {
+                for warning in &warnings {
+                    let _ = error.value(py).call_method1("add_note", (format!("warning: {warning}"),));
+                }
+            })?;
             py.check_signals()?;
         }
         Ok((self.lock(py).iterations, warnings))

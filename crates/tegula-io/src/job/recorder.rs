@@ -21,7 +21,7 @@ use crate::deck::Diagnostic;
 use crate::out::{HistoryWriter, OutputError};
 
 /// Error of the balance of loads and reactions above which a static analysis warns.
-const IMBALANCE: f64 = 1e-3;
+const IMBALANCE: f64 = 1e-5;
 /// Longest time on the clock between two checkpoints (s).
 const CHECKPOINT_SECONDS: f64 = 30.0;
 /// Shortest one where every step writes a field file (s).

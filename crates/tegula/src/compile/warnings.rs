@@ -250,14 +250,16 @@ fn plural(n: usize, word: &str) -> String {
 
 /// Coarse curved surfaces that are taken for folds.
 fn prism(model: &Model, mesh: &Mesh, system: &System) -> Option<Issue> {
-    model.mesh.file().filter(|file| file.fold_angle.is_none())?;
+    if model.mesh.grid().is_some() || model.mesh.given_fold_angle().is_some() {
+        return None;
+    }
     let prism = system.folds.prism.as_ref()?;
     let n = prism.quads.len();
     let [low, high] = prism.angles;
     let label = mesh.quad_label(prism.quads[0] as usize);
     let angles = if high - low < 0.05 { format!("{high:.1}") } else { format!("{low:.1} to {high:.1}") };
     Some(Issue::new(
-        "mesh.file",
+        if model.mesh.file().is_some() { "mesh.file" } else { "mesh.quads" },
         format!(
             "{n} {} between two folds of {angles} degrees in the same sense, element {label} first: a curved \
              surface would be computed as a prism of flat strips",

@@ -17,6 +17,7 @@
 //! `u_min`, `u_max` and the corners do not exist.
 
 use super::Mesh;
+use super::arrays;
 use super::grid::{Lines, build};
 use super::input::{Input, TINY};
 use super::polyline::extrusion;
@@ -40,6 +41,7 @@ pub fn generate(source: &MeshSource) -> Result<Mesh> {
         MeshSource::Annulus(source) => meshed(annulus(source, &mut input), &source.grid, input),
         MeshSource::Sphere(source) => meshed(sphere(source, &mut input), &source.grid, input),
         MeshSource::Extrusion(source) => meshed(extrusion(source, &mut input), &source.grid, input),
+        MeshSource::Arrays(source) => arrays::mesh(source),
         MeshSource::None => Ok(Mesh::default()),
         _ => Err(Error::model(
             "mesh.file",

@@ -9,7 +9,7 @@ use crate::Issue;
 /// Numbers of a mesh file.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Labels {
-    /// Name of the mesh file.
+    /// Name of the mesh file; empty where the nodes stand in the model.
     pub file: String,
     /// Number of each node in the file.
     pub nodes: Vec<u64>,
@@ -42,7 +42,7 @@ impl Mesh {
 
     /// Makes issues of the mesh as a whole name the file that it was read from, and moves them to the key of the file.
     pub(crate) fn name_file(&self, issues: &mut [Issue]) {
-        let Some(labels) = &self.labels else { return };
+        let Some(labels) = self.labels.as_ref().filter(|labels| !labels.file.is_empty()) else { return };
         for issue in issues.iter_mut().filter(|issue| issue.place.key == "mesh") {
             issue.place.key = "mesh.file".into();
             issue.message = format!("{}: {}", labels.file, issue.message);

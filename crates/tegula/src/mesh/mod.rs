@@ -7,6 +7,7 @@
 //! | director | unit normal of the *true* surface at a node; one if smooth, several where sheets meet at an angle |
 //! | set | a name for nodes, edges or quads, used by conditions, loads, sections and output |
 
+mod arrays;
 pub mod directors;
 mod facet;
 pub mod folds;

@@ -9,6 +9,8 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::ArraysMesh;
+
 /// Neighbouring facets that meet at a larger angle (degrees) form a fold.
 pub const FOLD_ANGLE_DEGREES: f64 = 20.0;
 
@@ -51,6 +53,8 @@ macro_rules! mesh_source {
             Sphere(SphereMesh),
             /// A polyline swept along a direction; u runs along the polyline, v along the direction.
             Extrusion(ExtrusionMesh),
+            /// Nodes, elements and sets in the model itself.
+            Arrays(ArraysMesh),
             $(#[doc = $help] $format(GmshMesh),)*
         }
 
@@ -289,20 +293,29 @@ impl MeshSource {
 
     /// Key `merge_coincident`: whether coincident nodes are merged.
     pub fn merge_coincident(&self) -> Option<bool> {
-        match self.file() {
-            Some(file) => file.merge_coincident,
-            None => self.grid().and_then(|grid| grid.merge_coincident),
+        match (self, self.file()) {
+            (Self::Arrays(arrays), _) => arrays.merge_coincident,
+            (_, Some(file)) => file.merge_coincident,
+            (_, None) => self.grid().and_then(|grid| grid.merge_coincident),
         }
     }
 
     /// Key of [`Self::merge_coincident`].
     pub fn merge_key(&self) -> &'static str {
-        if self.file().is_some() { "mesh.merge_coincident" } else { "mesh.grid.merge_coincident" }
+        if self.grid().is_none() { "mesh.merge_coincident" } else { "mesh.grid.merge_coincident" }
+    }
+
+    /// Key `fold_angle`; `None` where it is not given, and for generators.
+    pub fn given_fold_angle(&self) -> Option<f64> {
+        match self {
+            Self::Arrays(arrays) => arrays.fold_angle,
+            _ => self.file().and_then(|file| file.fold_angle),
+        }
     }
 
     /// Angle (degrees) from which on neighbouring elements form a fold.
     pub fn fold_angle(&self) -> f64 {
-        self.file().and_then(|file| file.fold_angle).unwrap_or(FOLD_ANGLE_DEGREES)
+        self.given_fold_angle().unwrap_or(FOLD_ANGLE_DEGREES)
     }
 }
 

@@ -5,6 +5,7 @@
 //! the same types, and the documentation of a key is its doc comment.
 
 mod analysis;
+mod arrays_mesh;
 mod beam;
 pub(crate) mod body;
 mod buckling;
@@ -41,6 +42,7 @@ pub use crate::material::{
     Isotropic, Material, MooneyRivlin, NeoHookean, NeoHookeanForm, Orthotropic, Plastic, Strengths,
 };
 pub use analysis::*;
+pub use arrays_mesh::*;
 pub use beam::{Beam, BeamSection, CircularSection, RectangularSection, SectionConstants};
 pub use body::*;
 pub use buckling::{BucklingAnalysis, FactorSigns};

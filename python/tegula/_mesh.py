@@ -1,0 +1,100 @@
+"""Meshes of other packages as the `mesh` of a model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Indices = npt.NDArray[np.int64]
+
+_DIMENSIONS = {"vertex": 0, "line": 1, "quad": 2}
+_KEYS = ("node_sets", "edge_sets", "quad_sets")
+_VTK_QUAD = 9
+
+
+def from_meshio(mesh: Any) -> dict[str, Any]:
+    """The key `mesh` of a model, of type `arrays`, from a `meshio.Mesh`.
+
+    Quadrilaterals become elements. Sets of points become node sets; sets and physical groups of quadrilaterals become sets of
+    elements, of lines sets of edges, of vertices sets of nodes. Coordinates are lengths, in the unit of the model.
+
+    Raises `ValueError` for meshes with other cells, such as triangles.
+    """
+    counts = {"vertex": 0, "line": 0, "quad": 0}
+    cells: dict[str, list[Indices]] = {"vertex": [], "line": [], "quad": []}
+    # Number of the first cell of each block among all of its type.
+    first = []
+    for block in mesh.cells:
+        if block.type not in counts:
+            raise ValueError(_other_cells(len(block.data), block.type))
+        first.append(counts[block.type])
+        counts[block.type] += len(block.data)
+        cells[block.type].append(np.asarray(block.data, dtype=np.int64))
+    joined = {kind: np.concatenate(blocks) if blocks else np.zeros((0, 0), np.int64) for kind, blocks in cells.items()}
+    sets: tuple[dict[str, list[Indices]], ...] = ({}, {}, {})
+
+    def add(name: str, block: int, members: Any) -> None:
+        kind = mesh.cells[block].type
+        numbers = first[block] + np.asarray(members, dtype=np.int64)
+        chosen = numbers if kind == "quad" else joined[kind][numbers]
+        sets[_DIMENSIONS[kind]].setdefault(name, []).append(chosen.ravel() if kind == "vertex" else chosen)
+
+    for name, of_blocks in mesh.cell_sets.items():
+        for block, members in enumerate(of_blocks):
+            # Names with a colon are notes of readers, such as the bounding entities of Gmsh.
+            if members is not None and len(members) and ":" not in name:
+                add(name, block, members)
+    physical = mesh.cell_data.get("gmsh:physical")
+    if physical is not None:
+        names = {(int(dimension), int(tag)): name for name, (tag, dimension) in mesh.field_data.items()}
+        for block, tags in enumerate(physical):
+            for tag in np.unique(tags):
+                name = names.get((_DIMENSIONS[mesh.cells[block].type], int(tag)))
+                if name is not None and name not in mesh.cell_sets:
+                    add(name, block, np.flatnonzero(np.asarray(tags) == tag))
+    for name, members in mesh.point_sets.items():
+        sets[0].setdefault(name, []).append(np.asarray(members, dtype=np.int64).ravel())
+    return _arrays(mesh.points, joined["quad"], sets)
+
+
+def from_pyvista(dataset: Any) -> dict[str, Any]:
+    """The key `mesh` of a model, of type `arrays`, from a PyVista data set of quadrilaterals.
+
+    Arrays of truth values become sets: those at points node sets, those of cells sets of elements. Coordinates are lengths, in the
+    unit of the model.
+
+    Raises `ValueError` for data sets with other cells, such as triangles.
+    """
+    grid = dataset.cast_to_unstructured_grid()
+    for kind, cells in grid.cells_dict.items():
+        if kind != _VTK_QUAD:
+            raise ValueError(_other_cells(len(cells), f"number {kind} of VTK"))
+    quads = grid.cells_dict.get(_VTK_QUAD, np.zeros((0, 4), np.int64))
+    sets: tuple[dict[str, list[Indices]], ...] = ({}, {}, {})
+    for arrays, out in ((grid.point_data, sets[0]), (grid.cell_data, sets[2])):
+        for name in arrays.keys():
+            values = np.asarray(arrays[name])
+            if values.dtype == np.bool_ and values.ndim == 1 and values.any():
+                out[name] = [np.flatnonzero(values)]
+    return _arrays(grid.points, quads, sets)
+
+
+def _other_cells(count: int, kind: str) -> str:
+    return (
+        f"the mesh has {count} cells of type {kind}, and elements are quadrilaterals of 4 nodes: mesh the surface with "
+        "quadrilaterals (in Gmsh: recombine), or take them out of the mesh"
+    )
+
+
+def _arrays(points: Any, quads: Any, sets: tuple[Mapping[str, list[Indices]], ...]) -> dict[str, Any]:
+    nodes = np.asarray(points, dtype=np.float64)
+    if nodes.shape[1] == 2:
+        nodes = np.column_stack([nodes, np.zeros(len(nodes))])
+    out: dict[str, Any] = {"type": "arrays", "nodes": nodes, "quads": np.asarray(quads, dtype=np.int64)}
+    for key, named in zip(_KEYS, sets):
+        if named:
+            out[key] = {name: np.concatenate(members) for name, members in named.items()}
+    return out
