@@ -30,6 +30,7 @@ macro_rules! mesh_readers {
     ($made:ident) => {
         $made! {
             gmsh::Gmsh: "A Gmsh file (`.msh`, format 2.2 or 4.1, ASCII or binary); physical groups become sets.",
+            abaqus::Abaqus: "An input file of Abaqus or CalculiX (`.inp`) with shells of four nodes; node and element sets become sets.",
         }
     };
 }
@@ -229,7 +230,7 @@ pub struct ExtrusionMesh {
     pub grid: Grid,
 }
 
-/// A Gmsh file.
+/// A mesh file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GmshMesh {

@@ -1,0 +1,299 @@
+//! Nodes, elements and sets of an input file, by their numbers in it.
+
+use std::collections::{BTreeSet, HashMap};
+
+use tegula::Vec3;
+
+use super::cards::{Card, DataLine, Reader, label, shown};
+use super::sets::{ELEMENTS, NODES, Sets};
+use crate::mesh::MeshError;
+
+/// Largest set printed by `*NODE PRINT` whose nodes are sets of their own.
+pub const MOST_PRINTED: usize = 20;
+
+/// Content of an input file that makes a mesh.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Parts {
+    /// Position of each node, and the line on which it stands.
+    pub nodes: HashMap<u64, (Vec3, usize)>,
+    /// Elements in the order of the file.
+    pub elements: Vec<Element>,
+    /// Nodes of elements.
+    pub used: BTreeSet<u64>,
+    /// Sets of nodes.
+    pub node_sets: Sets,
+    /// Sets of elements.
+    pub element_sets: Sets,
+    /// Nodes that cards name by their numbers, which become sets of that name.
+    pub single_nodes: BTreeSet<u64>,
+    /// Elements that cards name by their numbers, which become sets of that name.
+    pub single_elements: BTreeSet<u64>,
+}
+
+/// A shell of four nodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Element {
+    /// Number in the file.
+    pub label: u64,
+    /// Numbers of its nodes.
+    pub nodes: [u64; 4],
+    /// Line on which it stands.
+    pub line: usize,
+}
+
+/// Cards that a mesh cannot be read with: beginning of the keyword, reason, remedy.
+const REFUSED: &[(&[&str], &str, &str)] = &[
+    (
+        &["PART", "END PART", "ASSEMBLY", "END ASSEMBLY", "INSTANCE", "END INSTANCE"],
+        "files of parts and instances are not read",
+        "write a flat input file: in Abaqus/CAE `Do not use parts and assemblies in input files` in the attributes of the model",
+    ),
+    (
+        &["INCLUDE"],
+        "other files are not included",
+        "put the text of that file in the place of the card",
+    ),
+    (
+        &["NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"],
+        "nodes and elements are not generated or transformed",
+        "list them with *NODE and *ELEMENT, in global coordinates",
+    ),
+    (
+        &["CONTACT", "SURFACE INTERACTION", "SURFACE BEHAVIOR", "FRICTION", "CLEARANCE"],
+        "there is no contact",
+        "remove the contact cards; stops of joints bound the motion of bodies",
+    ),
+    (
+        &["TIE", "MPC", "EQUATION", "COUPLING", "KINEMATIC", "DISTRIBUTING", "RIGID BODY", "EMBEDDED ELEMENT"],
+        "couplings of nodes are not read",
+        "remove the card, and give bodies, joints or ties in the model file",
+    ),
+    (&["TRANSFORM"], "nodal coordinate systems are not read", "give supports and loads along the global axes"),
+];
+
+/// Reads nodes, elements and sets of the cards.
+///
+/// # Errors
+/// The first mistake, or the first card or element that cannot be read.
+pub fn parts(reader: &Reader<'_>, cards: &[Card<'_>]) -> Result<Parts, MeshError> {
+    for card in cards {
+        refuse(reader, card)?;
+    }
+    let mut parts = Parts::default();
+    for card in cards.iter().filter(|card| card.keyword == "NODE") {
+        parts.read_nodes(reader, card)?;
+    }
+    for card in cards.iter().filter(|card| card.keyword == "ELEMENT") {
+        parts.read_elements(reader, card)?;
+    }
+    parts.check_elements(reader)?;
+    let nodes: BTreeSet<u64> = parts.nodes.keys().copied().collect();
+    let elements: BTreeSet<u64> = parts.elements.iter().map(|element| element.label).collect();
+    if elements.len() < parts.elements.len() {
+        return Err(parts.repeated_element(reader));
+    }
+    for card in cards {
+        match card.keyword.as_str() {
+            "NSET" if card.has("ELSET") => parts.nodes_of_elements(reader, card)?,
+            "NSET" => parts.node_sets.add(reader, card, NODES, &nodes)?,
+            "ELSET" => parts.element_sets.add(reader, card, ELEMENTS, &elements)?,
+            _ => {}
+        }
+    }
+    parts.single_sets(cards, &elements);
+    Ok(parts)
+}
+
+/// Whether a card is one without which the mesh would be another one.
+pub fn is_refused(keyword: &str) -> bool {
+    refusal(keyword).is_some()
+}
+
+fn refusal(keyword: &str) -> Option<(&'static str, &'static str)> {
+    let begins = |word: &&str| keyword.strip_prefix(*word).is_some_and(|rest| rest.is_empty() || rest.starts_with(' '));
+    // Requests for results of contacts do not change anything.
+    let request = keyword.ends_with(" PRINT") || keyword.ends_with(" FILE") || keyword.ends_with(" OUTPUT");
+    let found = REFUSED.iter().find(|(words, _, _)| !request && words.iter().any(begins))?;
+    Some((found.1, found.2))
+}
+
+fn refuse(reader: &Reader<'_>, card: &Card<'_>) -> Result<(), MeshError> {
+    match refusal(&card.keyword) {
+        Some((reason, help)) => {
+            Err(reader.error(card.line, format!("*{}: {reason}", shown(&card.keyword)), help))
+        }
+        None => Ok(()),
+    }
+}
+
+impl Parts {
+    fn read_nodes(&mut self, reader: &Reader<'_>, card: &Card<'_>) -> Result<(), MeshError> {
+        reader.only(card, &["NSET", "SYSTEM"])?;
+        if card.parameter("SYSTEM").is_some_and(|system| !system.eq_ignore_ascii_case("R")) {
+            return Err(reader.error(
+                card.line,
+                "coordinates of a cylindrical or spherical system are not read",
+                "give rectangular coordinates",
+            ));
+        }
+        let mut labels = Vec::new();
+        for data in &card.data {
+            let mut fields = data.fields();
+            let label = reader.label(data.line, fields.next().unwrap_or_default(), "a node")?;
+            let mut coordinates = [0.0; 3];
+            for (x, field) in coordinates.iter_mut().zip(&mut fields) {
+                *x = reader.number(data.line, field)?;
+            }
+            let position = Vec3::from(coordinates);
+            if fields.any(|field| !field.is_empty()) {
+                return Err(reader.error(
+                    data.line,
+                    format!("node {label} has more than three coordinates"),
+                    "remove the direction cosines of its normal: normals are those of the elements",
+                ));
+            }
+            if let Some((_, earlier)) = self.nodes.insert(label, (position, data.line)) {
+                return Err(reader.error(
+                    data.line,
+                    format!("node {label} is defined again; line {earlier} does so, too"),
+                    "give each node once",
+                ));
+            }
+            labels.push(label);
+        }
+        if let Some(name) = reader.set_name(card, "NSET")? {
+            self.node_sets.entry(name).extend(labels);
+        }
+        Ok(())
+    }
+
+    fn read_elements(&mut self, reader: &Reader<'_>, card: &Card<'_>) -> Result<(), MeshError> {
+        reader.only(card, &["TYPE", "ELSET"])?;
+        let kind = reader.required(card, "TYPE")?.to_uppercase();
+        if !matches!(kind.as_str(), "S4" | "S4R") {
+            let help = match kind.as_str() {
+                "S3" | "S3R" | "STRI3" | "STRI65" | "S6" => "mesh the surface with quadrilaterals of four nodes, S4",
+                "S8R" | "S8R5" | "S8" | "S9R5" => {
+                    "save the mesh in first order as S4, with about twice as many elements along each side"
+                }
+                "S4R5" | "S4RS" | "S4RSW" => "write TYPE=S4; there are no hourglass modes here",
+                _ => "only shells of four nodes are read: mesh the middle surface with S4, and give bodies and beams in the model file",
+            };
+            return Err(reader.error(card.line, format!("elements of type {} are not read", shown(&kind)), help));
+        }
+        let start = self.elements.len();
+        let mut pending: Vec<(usize, &str)> = Vec::new();
+        for data in &card.data {
+            pending.extend(data.fields().filter(|field| !field.is_empty()).map(|field| (data.line, field)));
+            // The list of nodes continues on the next line behind a comma.
+            if data.text.ends_with(',') && pending.len() < 5 {
+                continue;
+            }
+            self.elements.push(element(reader, *data, &pending)?);
+            pending.clear();
+        }
+        if let (Some(data), false) = (card.data.last(), pending.is_empty()) {
+            self.elements.push(element(reader, *data, &pending)?);
+        }
+        if let Some(name) = reader.set_name(card, "ELSET")? {
+            let labels: Vec<u64> = self.elements.iter().skip(start).map(|element| element.label).collect();
+            self.element_sets.entry(name).extend(labels);
+        }
+        Ok(())
+    }
+
+    /// Refuses elements with unknown nodes, and notes the nodes of elements.
+    fn check_elements(&mut self, reader: &Reader<'_>) -> Result<(), MeshError> {
+        for Element { label, nodes, line } in &self.elements {
+            if let Some(missing) = nodes.iter().find(|node| !self.nodes.contains_key(node)) {
+                return Err(reader.error(
+                    *line,
+                    format!("element {label} needs node {missing}, which the file does not define"),
+                    "check the numbers of the element, or define the node with *NODE",
+                ));
+            }
+            for (i, node) in nodes.iter().enumerate() {
+                if nodes.iter().take(i).any(|earlier| earlier == node) {
+                    return Err(reader.error(
+                        *line,
+                        format!("element {label} has node {node} at two corners"),
+                        "mesh this part without collapsed quadrilaterals",
+                    ));
+                }
+                self.used.insert(*node);
+            }
+        }
+        Ok(())
+    }
+
+    /// Error of an element whose number is given twice.
+    fn repeated_element(&self, reader: &Reader<'_>) -> MeshError {
+        let mut lines = HashMap::new();
+        for element in &self.elements {
+            if let Some(earlier) = lines.insert(element.label, element.line) {
+                let message =
+                    format!("element {} is defined again; line {earlier} does so, too", element.label);
+                return reader.error(element.line, message, "give each element once");
+            }
+        }
+        reader.whole("an element is defined twice", "give each element once")
+    }
+
+    /// `*NSET, ELSET=`: the nodes of the elements of a set.
+    fn nodes_of_elements(&mut self, reader: &Reader<'_>, card: &Card<'_>) -> Result<(), MeshError> {
+        reader.only(card, &["NSET", "ELSET"])?;
+        reader.set_name(card, "NSET")?;
+        let (name, of) = (reader.required(card, "NSET")?, reader.required(card, "ELSET")?);
+        let Some((_, members)) = self.element_sets.get(of) else {
+            return Err(reader.error(
+                card.line,
+                format!("there is no element set \"{}\" above", shown(of)),
+                "check the name, or define the set before",
+            ));
+        };
+        let inside = self.elements.iter().filter(|element| members.contains(&element.label));
+        let nodes: Vec<u64> = inside.flat_map(|element| element.nodes).collect();
+        self.node_sets.entry(name).extend(nodes);
+        Ok(())
+    }
+
+    /// Nodes and elements that supports, loads and requests name by their numbers.
+    fn single_sets(&mut self, cards: &[Card<'_>], elements: &BTreeSet<u64>) {
+        for card in cards {
+            let first = |data: &DataLine<'_>| label(data.fields().next().unwrap_or_default());
+            match card.keyword.as_str() {
+                "BOUNDARY" | "CLOAD" => self.single_nodes.extend(card.data.iter().filter_map(first)),
+                "DLOAD" => self.single_elements.extend(card.data.iter().filter_map(first)),
+                "NODE PRINT" => {
+                    let set = card.parameter("NSET").and_then(|name| self.node_sets.get(name));
+                    if let Some((_, members)) = set.filter(|(_, members)| members.len() <= MOST_PRINTED) {
+                        self.single_nodes.extend(members);
+                    }
+                }
+                _ => {}
+            }
+        }
+        self.single_nodes.retain(|node| self.used.contains(node));
+        self.single_elements.retain(|element| elements.contains(element));
+    }
+}
+
+/// Element of the fields of one data line and its continuations.
+fn element(reader: &Reader<'_>, data: DataLine<'_>, fields: &[(usize, &str)]) -> Result<Element, MeshError> {
+    let [(line, first), nodes @ ..] = fields else {
+        return Err(reader.error(data.line, "the line holds no element", "write its number and its four nodes"));
+    };
+    let element = reader.label(*line, first, "an element")?;
+    if nodes.len() != 4 {
+        return Err(reader.error(
+            data.line,
+            format!("element {element} has {} nodes, and a quadrilateral has 4", nodes.len()),
+            "write the number of the element and those of its four nodes",
+        ));
+    }
+    let mut corners = [0; 4];
+    for (corner, (line, field)) in corners.iter_mut().zip(nodes) {
+        *corner = reader.label(*line, field, "a node")?;
+    }
+    Ok(Element { label: element, nodes: corners, line: *line })
+}
