@@ -10,6 +10,7 @@ mod terminal;
 
 mod check;
 mod completions;
+mod convert;
 mod info;
 mod interrupt;
 mod locking;
@@ -52,6 +53,8 @@ enum Command {
     Check(check::Arguments),
     /// Write a commented model file to begin with
     New(new::Arguments),
+    /// Write the model file that corresponds to an input file of Abaqus or CalculiX
+    Convert(convert::Arguments),
     /// Print the JSON Schema of the model file, for editors
     Schema,
     /// Print version, threads and instruction set, or the summary of a model or result
@@ -75,6 +78,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => (run::run(&arguments), arguments.json),
         Command::Check(arguments) => (check::run(&arguments), arguments.json),
         Command::New(arguments) => (new::run(&arguments), false),
+        Command::Convert(arguments) => (convert::run(&arguments), false),
         Command::Schema => (schema::run(), false),
         Command::Info(arguments) => (info::run(&arguments), arguments.json),
         Command::Completions(arguments) => (completions::run(&arguments), false),

@@ -1,5 +1,6 @@
 //! Model files and meshes in, results and plots out.
 
+pub mod abaqus;
 pub mod deck;
 pub mod job;
 pub mod memory;

@@ -9,6 +9,7 @@
 //! | `partial` | what else is wrong when keys are wrong already |
 //! | `unknown` | suggestions for an unknown key |
 //! | `syntax` | messages for the errors of the TOML parser |
+//! | `keyword_input` | input files of Abaqus and CalculiX in the place of model files |
 //! | `locate` | from the path of a key to its place in the text, and back |
 //! | `template` | model files to begin with |
 //!
@@ -23,6 +24,7 @@
 
 mod diagnostic;
 mod editor;
+mod keyword_input;
 mod locate;
 mod markers;
 mod partial;
@@ -43,6 +45,7 @@ use toml::de::DeTable;
 use diagnostic::Source;
 pub use diagnostic::{Diagnostic, MOST_DIAGNOSTICS};
 pub use editor::{SCHEMA_FILE, is_schema, schema, schema_text};
+pub use keyword_input::KeywordInput;
 pub use template::{template, template_companions, template_kinds, template_named};
 
 /// Name that a model from the standard input has in messages and results.
@@ -61,6 +64,8 @@ pub struct Deck {
     pub text: String,
     /// Warnings of the text that the model does not show: markers that nothing uses.
     pub warnings: Vec<Issue>,
+    /// Input file of Abaqus or CalculiX that the text was made of; its lines are those of messages.
+    pub input: Option<KeywordInput>,
 }
 
 impl Deck {
@@ -74,20 +79,11 @@ impl Deck {
         } else {
             (path, std::fs::read(path))
         };
-        let bytes = bytes.map_err(|error| {
-            let (message, help) = match error.kind() {
-                ErrorKind::NotFound => (
-                    "there is no such file".to_owned(),
-                    "check the path, or begin with a new model: tegula new static",
-                ),
-                ErrorKind::IsADirectory => (
-                    "this is a directory, not a model file".to_owned(),
-                    "give the path of the model file in it, such as model.toml",
-                ),
-                _ => (format!("the file cannot be read: {error}"), "check the file and its permissions"),
-            };
-            vec![Diagnostic::whole(path, message, help)]
-        })?;
+        let bytes = bytes.map_err(|error| unreadable(path, &error))?;
+        if keyword_input::is_input(path) {
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+            return keyword_input::parse(path, &bytes, &name);
+        }
         match String::from_utf8(bytes) {
             Ok(text) => Self::parse(path, text),
             Err(error) => {
@@ -101,6 +97,13 @@ impl Deck {
                 )])
             }
         }
+    }
+
+    /// Reads the input file of Abaqus or CalculiX at `path`, whatever its name; the model gives the name `mesh_file` to it, and its text
+    /// is the model file. On failure everything that is wrong with it.
+    pub fn convert(path: &Path, mesh_file: &str) -> Result<Self, Vec<Diagnostic>> {
+        let bytes = std::fs::read(path).map_err(|error| unreadable(path, &error))?;
+        keyword_input::parse(path, &bytes, mesh_file)
     }
 
     /// Reads a model from `text`; `path` appears in errors and is the place that mesh files are relative to.
@@ -129,7 +132,7 @@ impl Deck {
             return Err(source.limited(found, all));
         }
         let (model, warnings) = model(&source, &path, tree)?;
-        Ok(Self { model, path, text, warnings })
+        Ok(Self { model, path, text, warnings, input: None })
     }
 
     /// The issues of the model at their places in the file, the first hundred of them. An issue of a key that the file
@@ -137,13 +140,33 @@ impl Deck {
     pub fn locate(&self, issues: &[Issue]) -> Vec<Diagnostic> {
         let source = Source::new(&self.path, &self.text);
         let shown = &issues[..issues.len().min(MOST_DIAGNOSTICS)];
-        source.limited(locate_all(&source, shown), issues.len())
+        let found = source.limited(locate_all(&source, shown), issues.len());
+        match &self.input {
+            Some(input) => found.into_iter().map(|d| input.translated(d)).collect(),
+            None => found,
+        }
     }
 
     /// Path of a file that the model names relative to the model file.
     pub fn beside(&self, file: impl AsRef<Path>) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(file)
     }
+}
+
+/// Diagnostic of a file that cannot be read.
+fn unreadable(path: &Path, error: &std::io::Error) -> Vec<Diagnostic> {
+    let (message, help) = match error.kind() {
+        ErrorKind::NotFound => (
+            "there is no such file".to_owned(),
+            "check the path, or begin with a new model: tegula new static",
+        ),
+        ErrorKind::IsADirectory => (
+            "this is a directory, not a model file".to_owned(),
+            "give the path of the model file in it, such as model.toml",
+        ),
+        _ => (format!("the file cannot be read: {error}"), "check the file and its permissions"),
+    };
+    vec![Diagnostic::whole(path, message, help)]
 }
 
 /// Model of the tree of a text, and warnings.

@@ -1,0 +1,207 @@
+//! `*CLOAD` and `*DLOAD`.
+
+use std::collections::HashMap;
+
+use super::document::{Document, number, quoted, vector};
+use super::targets;
+use crate::mesh::MeshError;
+use crate::mesh::abaqus::cards::{Card, DataLine, Reader, shown};
+use crate::mesh::abaqus::parts::Parts;
+
+/// A load of the model file.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Load {
+    /// Card that it comes from.
+    card: &'static str,
+    kind: &'static str,
+    on: Option<String>,
+    /// Components of the value; a pressure has one.
+    value: Vec<f64>,
+    line: usize,
+}
+
+/// Loads of the cards of one step, beside those of the step before, which continue.
+///
+/// # Errors
+/// The first mistake.
+pub(super) fn loads(
+    reader: &Reader<'_>,
+    parts: &Parts,
+    cards: &[&Card<'_>],
+    before: &[Load],
+) -> Result<Vec<Load>, MeshError> {
+    let mut new: Vec<Load> = Vec::new();
+    let mut forces = HashMap::new();
+    let mut pressures = HashMap::new();
+    let mut kept = before.to_vec();
+    for card in cards {
+        let of = if card.keyword == "CLOAD" { "CLOAD" } else { "DLOAD" };
+        reader.only(card, &["OP"])?;
+        match card.parameter("OP").map(str::to_uppercase).as_deref() {
+            None | Some("MOD") => {}
+            Some("NEW") => kept.retain(|load| load.card != of),
+            Some(other) => {
+                return Err(reader.error(
+                    card.line,
+                    format!("OP={} is not read", shown(other)),
+                    "write OP=NEW, or OP=MOD",
+                ));
+            }
+        }
+        for data in &card.data {
+            match of {
+                "CLOAD" => force(reader, parts, *data, &mut forces, &mut new)?,
+                _ => distributed(reader, parts, *data, &mut pressures, &mut new)?,
+            }
+        }
+    }
+    if let Some(load) = new.iter().find(|load| kept.iter().any(|earlier| earlier.card == load.card)) {
+        return Err(reader.error(
+            load.line,
+            format!("the step adds to the loads by *{} of the step before", load.card),
+            "write OP=NEW on the card and list all its loads",
+        ));
+    }
+    kept.extend(new);
+    Ok(kept)
+}
+
+/// Force or moment along an axis on every node of a set.
+fn force(
+    reader: &Reader<'_>,
+    parts: &Parts,
+    data: DataLine<'_>,
+    taken: &mut HashMap<(u64, usize), usize>,
+    out: &mut Vec<Load>,
+) -> Result<(), MeshError> {
+    let fields = data.list();
+    let [on, direction, value] = fields[..] else {
+        return Err(reader.error(
+            data.line,
+            format!("a line of *CLOAD has 3 values, and there are {}", fields.len()),
+            "write a node or a set, the direction from 1 to 6, and the force or moment on each node",
+        ));
+    };
+    let direction: usize = direction.parse().ok().filter(|n| (1..=6).contains(n)).ok_or_else(|| {
+        reader.error(
+            data.line,
+            format!("\"{}\" is not a direction from 1 to 6", shown(direction)),
+            "write 1 to 3 for forces along x, y, z and 4 to 6 for moments about them",
+        )
+    })?;
+    let target = targets::nodes(reader, parts, (data.line, on), true)?;
+    let value = reader.number(data.line, value)?;
+    for &node in &target.nodes {
+        if let Some(earlier) = taken.insert((node, direction), data.line) {
+            return Err(reader.error(
+                data.line,
+                format!("node {node} is loaded in the direction {direction} on line {earlier}, too"),
+                "give the load of each node and direction once in a step",
+            ));
+        }
+    }
+    let (kind, axis) = if direction <= 3 { ("force", direction - 1) } else { ("moment", direction - 4) };
+    let there = out.iter().position(|load| load.kind == kind && load.on.as_deref() == Some(&target.name));
+    let at = there.unwrap_or_else(|| {
+        let (on, line) = (Some(target.name.clone()), data.line);
+        out.push(Load { card: "CLOAD", kind, on, value: vec![0.0; 3], line });
+        out.len() - 1
+    });
+    if let Some(component) = out.get_mut(at).and_then(|load| load.value.get_mut(axis)) {
+        *component = value;
+    }
+    Ok(())
+}
+
+/// Pressure or gravity.
+fn distributed(
+    reader: &Reader<'_>,
+    parts: &Parts,
+    data: DataLine<'_>,
+    taken: &mut HashMap<u64, usize>,
+    out: &mut Vec<Load>,
+) -> Result<(), MeshError> {
+    let fields = data.list();
+    let field = |i: usize| fields.get(i).copied().unwrap_or_default();
+    let kind = field(1).to_uppercase();
+    match kind.as_str() {
+        "P" if fields.len() == 3 => {
+            let (on, members) = targets::elements(reader, parts, (data.line, field(0)))?;
+            for element in members {
+                if let Some(earlier) = taken.insert(element, data.line) {
+                    return Err(reader.error(
+                        data.line,
+                        format!("element {element} has a pressure on line {earlier}, too"),
+                        "give the pressure of each element once in a step",
+                    ));
+                }
+            }
+            // P acts along the normal of the shell, `pressure` against the director.
+            let value = vec![-reader.number(data.line, field(2))?];
+            out.push(Load { card: "DLOAD", kind: "pressure", on: Some(on), value, line: data.line });
+        }
+        "GRAV" if fields.len() == 6 => {
+            if !field(0).is_empty() {
+                let (on, members) = targets::elements(reader, parts, (data.line, field(0)))?;
+                if members.len() < parts.elements.len() {
+                    return Err(reader.error(
+                        data.line,
+                        format!("gravity acts on the set \"{}\" alone", shown(&on)),
+                        "gravity acts on all masses of a model: give a set of all elements",
+                    ));
+                }
+            }
+            let mut numbers = [0.0; 4];
+            for (x, field) in numbers.iter_mut().zip(fields.iter().skip(2)) {
+                *x = reader.number(data.line, field)?;
+            }
+            let [size, x, y, z] = numbers;
+            let length = x.hypot(y).hypot(z);
+            if !length.is_normal() {
+                return Err(reader.error(
+                    data.line,
+                    "the direction of gravity has no length",
+                    "write the acceleration and the components of its direction, such as 9.81, 0, 0, -1",
+                ));
+            }
+            let value = [x, y, z].map(|component| size * (component / length)).to_vec();
+            out.push(Load { card: "DLOAD", kind: "gravity", on: None, value, line: data.line });
+        }
+        "P" | "GRAV" => {
+            return Err(reader.error(
+                data.line,
+                format!("{kind} has {} values", fields.len()),
+                "write `SET, P, pressure` or `SET, GRAV, acceleration, x, y, z`",
+            ));
+        }
+        other => {
+            let help = match other {
+                "CENTRIF" | "CENTRIFUGAL" => "give a load of the type `centrifugal` in a model file",
+                _ => {
+                    "P and GRAV are read; give others in a model file, as `traction`, `edge` or `edge-moment`"
+                }
+            };
+            return Err(reader.error(
+                data.line,
+                format!("the distributed load \"{}\" is not read", shown(other)),
+                help,
+            ));
+        }
+    }
+    Ok(())
+}
+
+impl Load {
+    /// Writes the load as an entry of the list `head`, such as `[[loads]]`.
+    pub fn write(&self, out: &mut Document, head: &str) {
+        out.table(self.line, head, self.card);
+        out.key(self.line, "type", &quoted(self.kind));
+        if let Some(on) = &self.on {
+            out.key(self.line, "on", &quoted(on));
+        }
+        match self.value[..] {
+            [value] => out.key(self.line, "value", &number(value)),
+            _ => out.key(self.line, "value", &vector(&self.value)),
+        }
+    }
+}

@@ -1,0 +1,340 @@
+//! Input files of Abaqus and CalculiX: from cards to the text of a model file.
+//!
+//! | file | is |
+//! |---|---|
+//! | `document` | the text, with the lines that it comes from |
+//! | `materials`, `sections` | `*MATERIAL`, `*SHELL SECTION` |
+//! | `targets` | nodes and elements of supports and loads |
+//! | `boundary`, `loads` | `*BOUNDARY`, `*CLOAD`, `*DLOAD` |
+//! | `steps` | `*STEP` and its analysis |
+//!
+//! The text names the input file as the mesh, and is read like every model file, with all its checks. Nothing of the input file is dropped
+//! without a message: cards that are not read are errors, and requests for results are warnings.
+
+mod boundary;
+mod document;
+mod loads;
+mod materials;
+mod sections;
+mod steps;
+mod targets;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use self::boundary::Restraint;
+use self::document::{Document, quoted};
+use self::loads::Load;
+use self::materials::Materials;
+use self::steps::{StepAnalysis, StepCards};
+use crate::mesh::MeshError;
+use crate::mesh::abaqus::cards::{self, Card, Reader, shown};
+use crate::mesh::abaqus::parts::{self, MOST_PRINTED, Parts};
+
+/// Keywords that are read.
+const READ: &[&str] = &[
+    "HEADING",
+    "NODE",
+    "ELEMENT",
+    "NSET",
+    "ELSET",
+    "MATERIAL",
+    "ELASTIC",
+    "DENSITY",
+    "EXPANSION",
+    "SHELL SECTION",
+    "BOUNDARY",
+    "STEP",
+    "STATIC",
+    "FREQUENCY",
+    "BUCKLE",
+    "CLOAD",
+    "DLOAD",
+    "END STEP",
+    "NODE PRINT",
+];
+
+/// Keywords that do not change what is computed.
+const IGNORED: &[&str] = &[
+    "NODE FILE",
+    "NODE OUTPUT",
+    "EL FILE",
+    "EL PRINT",
+    "ELEMENT OUTPUT",
+    "ENERGY FILE",
+    "ENERGY OUTPUT",
+    "ENERGY PRINT",
+    "OUTPUT",
+    "RESTART",
+    "PREPRINT",
+    "PRINT",
+    "FILE FORMAT",
+    "MONITOR",
+    "SECTION PRINT",
+    "SECTION FILE",
+    "CONTACT FILE",
+    "CONTACT PRINT",
+    "CONTACT OUTPUT",
+    "NO PRINT",
+    "CONTROLS",
+];
+
+/// Text of a model file made of an input file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Converted {
+    /// The text.
+    pub text: String,
+    /// Line of the input file that each line of the text comes from, counted from 1; 0 for none.
+    pub lines: Vec<usize>,
+    /// Message about requests that are not read; none where there are no such requests.
+    pub ignored: Option<String>,
+}
+
+/// Converts the bytes of an input file; `path` appears in errors, and `mesh_file` is the name of the file for the model file.
+///
+/// # Errors
+/// Mistakes of the file and cards that are not read.
+pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, Vec<MeshError>> {
+    let reader = Reader::new(path);
+    let text = cards::text(bytes);
+    let cards = reader.cards(&text).map_err(|error| vec![error])?;
+    let mut errors = Vec::new();
+    let mut keep = Errors(&mut errors);
+    keep.add(unknown(&reader, &cards));
+    let parts = keep.value(parts::parts(&reader, &cards));
+    let materials = keep.value(Materials::read(&reader, &cards));
+    let steps = keep.value(steps::split(&reader, &cards));
+    let analyses = steps.as_ref().and_then(|(_, steps)| keep.value(analyses(&reader, steps)));
+    let (Some(parts), Some(materials), Some((model, steps)), Some(analyses)) =
+        (parts, materials, steps, analyses)
+    else {
+        return Err(distinct(errors));
+    };
+    let mut out = Document::default();
+    head(&mut out, &cards, path);
+    let single = matches!(steps[..], [_]);
+    if let (true, Some(analysis)) = (single, analyses.first()) {
+        analysis.write(&mut out, "[analysis]");
+    }
+    mesh(&mut out, &cards, mesh_file);
+    materials.write(&mut out);
+    for card in cards.iter().filter(|card| card.keyword == "SHELL SECTION") {
+        if let Some(section) = keep.value(sections::section(&reader, card, &parts, &materials)) {
+            section.write(&mut out);
+        }
+    }
+    let supports = keep.value(supports(&reader, &parts, model, &steps)).unwrap_or_default();
+    keep.value(boundary::write(&mut out, &reader, &parts, "[[conditions]]", &supports));
+    let loads = keep.value(loads_of(&reader, &parts, &steps, &analyses)).unwrap_or_default();
+    for (analysis, loads) in analyses.iter().zip(&loads) {
+        if !single {
+            out.table(analysis.line, "[[steps]]", "STEP");
+            if !analysis.name.is_empty() {
+                out.key(analysis.line, "name", &quoted(&analysis.name));
+            }
+            analysis.write(&mut out, "[steps.analysis]");
+        }
+        loads
+            .iter()
+            .for_each(|load| load.write(&mut out, if single { "[[loads]]" } else { "[[steps.loads]]" }));
+    }
+    let printed = printed(&parts, &cards);
+    points(&mut out, &printed);
+    if errors.is_empty() {
+        let ignored = ignored(&cards, &printed);
+        Ok(Converted { text: out.text, lines: out.lines, ignored })
+    } else {
+        Err(distinct(errors))
+    }
+}
+
+/// Errors of the parts of a file, which are reported together.
+struct Errors<'e>(&'e mut Vec<MeshError>);
+
+impl Errors<'_> {
+    fn value<T>(&mut self, of: Result<T, MeshError>) -> Option<T> {
+        of.map_err(|error| self.0.push(error)).ok()
+    }
+
+    fn add(&mut self, error: Option<MeshError>) {
+        self.0.extend(error);
+    }
+}
+
+/// The errors without repetition.
+fn distinct(errors: Vec<MeshError>) -> Vec<MeshError> {
+    let mut out: Vec<MeshError> = Vec::new();
+    for error in errors {
+        if !out.contains(&error) {
+            out.push(error);
+        }
+    }
+    out
+}
+
+/// One error for all cards that are not read; those without which there is no mesh have errors of their own.
+fn unknown(reader: &Reader<'_>, cards: &[Card<'_>]) -> Option<MeshError> {
+    let known = |card: &&Card<'_>| {
+        let keyword = card.keyword.as_str();
+        !READ.contains(&keyword) && !IGNORED.contains(&keyword) && !parts::is_refused(keyword)
+    };
+    let unknown: Vec<&Card<'_>> = cards.iter().filter(known).collect();
+    let first = unknown.first()?;
+    let list = listed(unknown.iter().map(|card| (card.keyword.as_str(), card.line)));
+    Some(reader.error(
+        first.line,
+        format!("these cards are not read: {list}"),
+        "remove them, and add their counterparts to the model file that `tegula convert` writes of the rest",
+    ))
+}
+
+/// Keywords with their lines.
+fn listed<'a>(cards: impl Iterator<Item = (&'a str, usize)>) -> String {
+    let mut lines: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for (keyword, line) in cards {
+        lines.entry(keyword).or_default().push(line.to_string());
+    }
+    let named = |(keyword, lines): (&str, Vec<String>)| {
+        let word = if lines.len() == 1 { "line" } else { "lines" };
+        format!("*{} ({word} {})", shown(keyword), lines.join(", "))
+    };
+    lines.into_iter().map(named).collect::<Vec<_>>().join(", ")
+}
+
+/// Message about requests for results that are not read.
+fn ignored(cards: &[Card<'_>], printed: &[Point]) -> Option<String> {
+    let read = |card: &Card<'_>| printed.iter().any(|point| point.line == card.line);
+    let ignored = |card: &&Card<'_>| {
+        IGNORED.contains(&card.keyword.as_str()) || (card.keyword == "NODE PRINT" && !read(card))
+    };
+    let list = listed(cards.iter().filter(ignored).map(|card| (card.keyword.as_str(), card.line)));
+    (!list.is_empty()).then(|| format!("cards of the input file without effect: {list}"))
+}
+
+/// Title and comment at the beginning.
+fn head(out: &mut Document, cards: &[Card<'_>], path: &Path) {
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let plain: String = name.chars().filter(|c| !c.is_control()).collect();
+    out.line(
+        0,
+        &format!("# Model of the input file {plain}. Comments tell the lines that the tables come from."),
+    );
+    let title = cards.iter().find(|card| card.keyword == "HEADING").and_then(|card| card.data.first());
+    if let Some(title) = title {
+        out.key(title.line, "title", &quoted(title.text));
+    }
+}
+
+/// The table `[mesh]`.
+fn mesh(out: &mut Document, cards: &[Card<'_>], file: &str) {
+    let line = cards.iter().find(|card| card.keyword == "NODE").map_or(1, |card| card.line);
+    out.table(line, "[mesh]", "NODE");
+    out.key(line, "type", "\"abaqus\"");
+    out.key(line, "file", &quoted(file));
+}
+
+/// Analyses of all steps.
+fn analyses(reader: &Reader<'_>, steps: &[StepCards<'_, '_>]) -> Result<Vec<StepAnalysis>, MeshError> {
+    if let Some(step) = steps.iter().find(|step| steps.len() > 1 && step.is_static_perturbation()) {
+        return Err(reader.error(
+            step.line(),
+            "a static perturbation among several steps is not read",
+            "write a file of its own for it, or leave out PERTURBATION where its loads continue",
+        ));
+    }
+    let mut nonlinear = false;
+    steps.iter().map(|step| step.analysis(reader, &mut nonlinear)).collect()
+}
+
+/// Supports of the model and of its first step, which hold in all steps.
+fn supports(
+    reader: &Reader<'_>,
+    parts: &Parts,
+    model: &[Card<'_>],
+    steps: &[StepCards<'_, '_>],
+) -> Result<Vec<Restraint>, MeshError> {
+    let mut all: Vec<&Card<'_>> = model.iter().filter(|card| card.keyword == "BOUNDARY").collect();
+    for (i, step) in steps.iter().enumerate() {
+        for card in step.of(&["BOUNDARY"]) {
+            let new = card.parameter("OP").is_some_and(|op| op.eq_ignore_ascii_case("NEW"));
+            if i > 0 || (new && !all.is_empty()) {
+                return Err(reader.error(
+                    card.line,
+                    "the card changes supports that are given before",
+                    "give all supports before or in the first step, or `conditions` of `[[steps]]` in a model file",
+                ));
+            }
+            all.push(card);
+        }
+    }
+    boundary::restraints(reader, parts, &all)
+}
+
+/// Loads of each step. Those of statics continue; buckling has its own beside them, and modes have none.
+fn loads_of(
+    reader: &Reader<'_>,
+    parts: &Parts,
+    steps: &[StepCards<'_, '_>],
+    analyses: &[StepAnalysis],
+) -> Result<Vec<Vec<Load>>, MeshError> {
+    let mut of_statics = Vec::new();
+    let mut all = Vec::new();
+    for (step, analysis) in steps.iter().zip(analyses) {
+        let cards = step.of(&["CLOAD", "DLOAD"]);
+        all.push(match (analysis.card, cards.first()) {
+            ("STATIC", _) => {
+                of_statics = loads::loads(reader, parts, &cards, &of_statics)?;
+                of_statics.clone()
+            }
+            ("BUCKLE", _) => loads::loads(reader, parts, &cards, &[])?,
+            (_, None) => Vec::new(),
+            (_, Some(card)) => {
+                return Err(reader.error(
+                    card.line,
+                    format!("the step of line {} has modes, which do not depend on its loads", step.line()),
+                    "remove the loads, or give them to a *STATIC step before",
+                ));
+            }
+        });
+    }
+    Ok(all)
+}
+
+/// A point whose displacements are recorded.
+struct Point {
+    name: String,
+    node: u64,
+    line: usize,
+}
+
+/// Points of the cards `*NODE PRINT` that ask for displacements of few nodes.
+fn printed(parts: &Parts, cards: &[Card<'_>]) -> Vec<Point> {
+    let mut found = Vec::new();
+    let mut taken = BTreeSet::new();
+    for card in cards.iter().filter(|card| card.keyword == "NODE PRINT") {
+        let displacements = card.fields().any(|(_, field)| field.eq_ignore_ascii_case("U"));
+        let set = card.parameter("NSET").and_then(|name| parts.node_sets.get(name));
+        let Some((name, members)) = set.filter(|(_, set)| displacements && set.len() <= MOST_PRINTED) else {
+            continue;
+        };
+        for &node in members.iter().filter(|node| parts.used.contains(node)) {
+            if taken.insert(node) {
+                let name = if members.len() == 1 { name.to_owned() } else { format!("{name} {node}") };
+                found.push(Point { name, node, line: card.line });
+            }
+        }
+    }
+    found
+}
+
+/// Writes the recorded points.
+fn points(out: &mut Document, points: &[Point]) {
+    for point in points {
+        out.table(point.line, "[[output.points]]", "NODE PRINT");
+        out.key(point.line, "name", &quoted(&point.name));
+        out.key(point.line, "on", &quoted(&point.node.to_string()));
+    }
+}
+
+#[cfg(test)]
+mod tests;

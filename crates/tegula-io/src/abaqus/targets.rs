@@ -1,0 +1,150 @@
+//! Nodes and elements that supports and loads act on, and the directions of their normals.
+
+use std::collections::{BTreeSet, HashMap};
+
+use tegula::Vec3;
+
+use crate::mesh::MeshError;
+use crate::mesh::abaqus::cards::{Reader, label, shown};
+use crate::mesh::abaqus::parts::Parts;
+
+/// Components of a unit normal below this count as 0.
+const ALIGNED: f64 = 1e-6;
+
+/// Nodes of elements under one name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Target {
+    /// Name of the set in the model file.
+    pub name: String,
+    /// Nodes that belong to elements.
+    pub nodes: Vec<u64>,
+}
+
+/// Nodes of a data line by number or name of a set. With `all` every node must belong to an element, as a load on another one would be
+/// lost.
+///
+/// # Errors
+/// There is no such node or set, or its nodes belong to no elements.
+pub(super) fn nodes(
+    reader: &Reader<'_>,
+    parts: &Parts,
+    (line, field): (usize, &str),
+    all: bool,
+) -> Result<Target, MeshError> {
+    let lost = |node: u64| {
+        reader.error(
+            line,
+            format!("node {node} belongs to no element"),
+            "remove it from this card and its set, or check the elements",
+        )
+    };
+    if let Some(node) = label(field) {
+        return match (parts.nodes.contains_key(&node), parts.used.contains(&node)) {
+            (_, true) => Ok(Target { name: node.to_string(), nodes: vec![node] }),
+            (true, false) => Err(lost(node)),
+            (false, false) => Err(reader.error(
+                line,
+                format!("the file has no node {node}"),
+                "check the number of the node",
+            )),
+        };
+    }
+    let Some((name, members)) = parts.node_sets.get(field) else {
+        let element_set = parts.element_sets.get(field).is_some();
+        return Err(reader.error(
+            line,
+            format!("there is no node set \"{}\"", shown(field)),
+            match element_set {
+                true => "this is an element set: make a node set of it with *NSET, NSET=NAME, ELSET=NAME",
+                false => "check the name of the set",
+            },
+        ));
+    };
+    let (used, orphans): (Vec<u64>, Vec<u64>) = members.iter().partition(|node| parts.used.contains(node));
+    match orphans.first() {
+        Some(&node) if all || used.is_empty() => Err(lost(node)),
+        None if used.is_empty() => {
+            Err(reader.error(line, format!("the node set \"{}\" is empty", shown(name)), "check the set"))
+        }
+        _ => Ok(Target { name: name.to_owned(), nodes: used }),
+    }
+}
+
+/// Name and numbers of the elements of a data line, by number or name of a set.
+///
+/// # Errors
+/// There is no such element or set.
+pub(super) fn elements(
+    reader: &Reader<'_>,
+    parts: &Parts,
+    (line, field): (usize, &str),
+) -> Result<(String, BTreeSet<u64>), MeshError> {
+    if let Some(element) = label(field) {
+        if parts.single_elements.contains(&element) {
+            return Ok((element.to_string(), BTreeSet::from([element])));
+        }
+        return Err(reader.error(line, format!("the file has no element {element}"), "check the number"));
+    }
+    match parts.element_sets.get(field) {
+        Some((name, members)) if !members.is_empty() => Ok((name.to_owned(), members.clone())),
+        _ => Err(reader.error(
+            line,
+            format!("there is no element set \"{}\"", shown(field)),
+            "check the name of the set",
+        )),
+    }
+}
+
+/// Axes along which, and axes across which, all normals of a part of the mesh lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Directions {
+    /// Whether the normals are parallel to x, y, z.
+    pub along: [bool; 3],
+    /// Whether the normals are perpendicular to x, y, z.
+    pub across: [bool; 3],
+}
+
+impl Directions {
+    const ANY: Self = Self { along: [true; 3], across: [true; 3] };
+
+    fn and(self, other: Self) -> Self {
+        let both = |a: [bool; 3], b: [bool; 3]| [a[0] && b[0], a[1] && b[1], a[2] && b[2]];
+        Self { along: both(self.along, other.along), across: both(self.across, other.across) }
+    }
+
+    fn of(normal: Vec3) -> Self {
+        let n = normal.map(f64::abs);
+        let small = [n.x < ALIGNED, n.y < ALIGNED, n.z < ALIGNED];
+        Self { along: [small[1] && small[2], small[0] && small[2], small[0] && small[1]], across: small }
+    }
+}
+
+/// Directions of the normals of the elements at each node.
+#[derive(Debug)]
+pub(super) struct Normals(HashMap<u64, Directions>);
+
+impl Normals {
+    /// Normals of the elements of a mesh.
+    pub fn new(parts: &Parts) -> Self {
+        let mut of = HashMap::with_capacity(parts.used.len());
+        for element in &parts.elements {
+            let [Some(a), Some(b), Some(c), Some(d)] =
+                element.nodes.map(|node| parts.nodes.get(&node).map(|(position, _)| *position))
+            else {
+                continue;
+            };
+            let Some(normal) = (c - a).cross(&(d - b)).try_normalize(0.0) else { continue };
+            let directions = Directions::of(normal);
+            for node in element.nodes {
+                let at = of.entry(node).or_insert(Directions::ANY);
+                *at = at.and(directions);
+            }
+        }
+        Self(of)
+    }
+
+    /// Directions that the normals at all of these nodes have in common.
+    pub fn common(&self, nodes: &[u64]) -> Directions {
+        nodes.iter().filter_map(|node| self.0.get(node)).fold(Directions::ANY, |all, one| all.and(*one))
+    }
+}
