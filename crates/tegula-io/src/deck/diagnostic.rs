@@ -59,6 +59,14 @@ impl Source {
         &self.text
     }
 
+    /// Bytes of a line, counted from 1, without blanks around it.
+    pub fn line(&self, line: usize) -> Range<usize> {
+        let start = self.lines.get(line.saturating_sub(1)).copied().unwrap_or(self.text.len());
+        let content = self.text.get(start..).and_then(|rest| rest.lines().next()).unwrap_or_default();
+        let first = start + content.len() - content.trim_start().len();
+        first..first + content.trim().len()
+    }
+
     /// A diagnostic of the bytes `span` of the text.
     pub fn at(
         &self,

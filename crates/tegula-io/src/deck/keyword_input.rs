@@ -26,11 +26,12 @@ pub(super) fn is_input(path: &Path) -> bool {
 /// Model of the bytes of an input file, whose name the model gives as `mesh_file`.
 pub(super) fn parse(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Deck, Vec<Diagnostic>> {
     let text = crate::mesh::abaqus::cards::text(bytes);
-    let converted = abaqus::convert(path, bytes, mesh_file)
-        .map_err(|errors| errors.iter().map(|error| diagnostic(path, &text, error)).collect::<Vec<_>>())?;
+    let converted = abaqus::convert(path, bytes, mesh_file).map_err(|errors| {
+        let source = Source::new(path, &text);
+        errors.iter().map(|error| diagnostic(&source, path, error)).collect::<Vec<_>>()
+    })?;
     let input = KeywordInput { text: text.into(), lines: converted.lines.into() };
-    let mut deck = Deck::parse(path, converted.text)
-        .map_err(|found| found.into_iter().map(|d| input.translated(d)).collect::<Vec<_>>())?;
+    let mut deck = Deck::parse(path, converted.text).map_err(|found| input.translated(path, found))?;
     deck.warnings.extend(converted.ignored.map(|message| {
         Issue::new(
             "",
@@ -43,36 +44,27 @@ pub(super) fn parse(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Deck, 
 }
 
 /// Mistake of an input file as a diagnostic.
-fn diagnostic(path: &Path, text: &str, error: &MeshError) -> Diagnostic {
+fn diagnostic(source: &Source, path: &Path, error: &MeshError) -> Diagnostic {
+    let (message, help) = (error.message.as_str(), error.help.as_str());
     match error.at {
-        At::Line(line) => on_line(path, text, line, &error.message, &error.help),
-        _ => Diagnostic::whole(path, error.message.as_str(), error.help.as_str()),
+        At::Line(line) => source.at(source.line(line), "", message, help),
+        _ => Diagnostic::whole(path, message, help),
     }
 }
 
-/// A diagnostic of a whole line, counted from 1.
-fn on_line(path: &Path, text: &str, line: usize, message: &str, help: &str) -> Diagnostic {
-    let starts = std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1));
-    let start = starts.into_iter().nth(line.saturating_sub(1)).unwrap_or(0);
-    let content = text.get(start..).and_then(|rest| rest.lines().next()).unwrap_or_default();
-    let blanks = content.len() - content.trim_start().len();
-    Source::new(path, text).at(
-        start + blanks..start + content.trim_end().len().max(blanks),
-        "",
-        message,
-        help,
-    )
-}
-
 impl KeywordInput {
-    /// The diagnostic of a line of the model file at the line of the input file that it comes from.
-    pub(super) fn translated(&self, d: Diagnostic) -> Diagnostic {
-        let line = d.line.checked_sub(1).and_then(|i| self.lines.get(i)).copied().unwrap_or(0);
-        let place = match line {
-            0 => Diagnostic::whole(&d.file, "", ""),
-            _ => on_line(&d.file, &self.text, line, "", ""),
+    /// The diagnostics of lines of the model file at the lines of the input file at `path` that they come from.
+    pub(super) fn translated(&self, path: &Path, found: Vec<Diagnostic>) -> Vec<Diagnostic> {
+        let source = Source::new(path, &self.text);
+        let origin = |d: &Diagnostic| d.line.checked_sub(1).and_then(|i| self.lines.get(i)).copied();
+        let moved = |d: Diagnostic| {
+            let place = match origin(&d) {
+                None | Some(0) => Diagnostic::whole(path, "", ""),
+                Some(line) => source.at(source.line(line), "", "", ""),
+            };
+            let Diagnostic { key, message, help, hidden, .. } = d;
+            Diagnostic { key, message, help, hidden, ..place }
         };
-        let Diagnostic { key, message, help, hidden, .. } = d;
-        Diagnostic { key, message, help, hidden, ..place }
+        found.into_iter().map(moved).collect()
     }
 }

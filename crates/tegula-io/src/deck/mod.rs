@@ -142,7 +142,7 @@ impl Deck {
         let shown = &issues[..issues.len().min(MOST_DIAGNOSTICS)];
         let found = source.limited(locate_all(&source, shown), issues.len());
         match &self.input {
-            Some(input) => found.into_iter().map(|d| input.translated(d)).collect(),
+            Some(input) => input.translated(&self.path, found),
             None => found,
         }
     }
