@@ -97,7 +97,7 @@ class Models(unittest.TestCase):
         sets = {"left": [np.arange(10), [], [], []], "both": [[9], [0], [], []], "end": [[], [], [0, 1], []], "corner": [[], [], [], [0]],
                 "gmsh:bounding_entities": [[0], [], [], []]}
         cells = [("quad", quads[:20]), ("quad", quads[20:]), ("line", end), ("vertex", [[60]])]
-        mesh = meshio.Mesh(np.vstack([nodes[:, :2], [[9.0, 9.0]]]), cells, cell_sets=sets, point_sets={"root": np.arange(3)})
+        mesh = meshio.Mesh(np.vstack([nodes[:, :2], [[9.0, 9.0]]]), cells, cell_sets=sets, point_sets={"root": np.arange(3), "reference": [63]})
         taken = tegula.from_meshio(mesh)
         self.assertEqual(taken["quad_sets"]["left"].tolist(), list(range(10)))
         self.assertEqual(taken["quad_sets"]["both"].tolist(), [9, 20])
@@ -123,6 +123,10 @@ class Models(unittest.TestCase):
         taken["edge_sets"] = {"end": end}
         taken.pop("quad_sets")
         self.assertAlmostEqual(self.tip(taken) / expected, 1.0, places=9)
+        image = pyvista.ImageData(dimensions=(3, 2, 1))
+        self.assertEqual(tegula.from_pyvista(image)["quads"].tolist(), [[0, 1, 4, 3], [1, 2, 5, 4]])
+        with self.assertRaisesRegex(ValueError, "combine"):
+            tegula.from_pyvista(pyvista.MultiBlock([surface]))
         with self.assertRaisesRegex(ValueError, "number 5 of VTK"):
             tegula.from_pyvista(pyvista.PolyData(nodes, [3, 0, 1, 3]))
 

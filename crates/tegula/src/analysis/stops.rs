@@ -59,11 +59,11 @@ impl Stops {
         Self { times: spaced(all, end) }
     }
 
-    /// Shortest distance between two stops, or from one to either end of an analysis from 0 to `end`.
-    pub fn shortest_gap(&self, end: f64) -> f64 {
+    /// Shortest distance, of `least` at least, between two stops, or from one to either end of an analysis from 0 to `end`.
+    pub fn shortest_gap(&self, end: f64, least: f64) -> f64 {
         let ends = self.times.iter().copied().chain([end]);
         let gaps = ends.scan(0.0, |last, time| Some(time - std::mem::replace(last, time)));
-        gaps.fold(f64::INFINITY, f64::min)
+        gaps.filter(|gap| *gap >= least).fold(f64::INFINITY, f64::min)
     }
 
     /// The first stop behind a time.

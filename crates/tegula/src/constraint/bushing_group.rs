@@ -169,6 +169,19 @@ impl ElementGroup for BushingGroup {
         }
     }
 
+    fn resisted_strains(&self, element: usize, k: &GroupPoint) -> Vec<Vec<Vec3>> {
+        let bushing = &self.members[element];
+        // A full matrix resists combinations of strains.
+        let diagonal = bushing.stiffness.diagonal();
+        if bushing.stiffness != nalgebra::Matrix6::from_diagonal(&diagonal) {
+            return Vec::new();
+        }
+        let v = few(&bushing.vectors, |v| current(k, v));
+        let gradients = bushing.strain_gradients(&v, &bushing.deformation(k, Self::committed(k, element)));
+        let resisted = gradients.iter().zip(diagonal.iter()).filter(|(_, stiffness)| **stiffness > 0.0);
+        resisted.map(|(gradient, _)| gradient[..self.vectors].to_vec()).collect()
+    }
+
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
         for (element, (bushing, energy)) in self.members.iter().zip(energies).enumerate() {
             *energy = bushing.energy(&bushing.deformation(k, Self::committed(k, element)));

@@ -225,6 +225,11 @@ pub trait ElementGroup: Send + Sync {
             *energy = energy_of_blocks(&blocks[element * size..(element + 1) * size], value, n);
         }
     }
+    /// Gradients at the nodal vectors of strains that an element resists for certain, each by itself, however much stiffer it is against others.
+    fn resisted_strains(&self, element: usize, k: &GroupPoint) -> Vec<Vec<Vec3>> {
+        let _ = (element, k);
+        Vec::new()
+    }
     /// Sampled strains of one element (at the end of a step).
     fn sampled_strains(&self, element: usize, k: &GroupPoint) -> Vec<f64> {
         let _ = (element, k);

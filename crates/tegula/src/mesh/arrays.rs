@@ -126,10 +126,19 @@ fn sets(source: &ArraysMesh, place: &HashMap<u32, u32>, input: &mut Input, out: 
             (name, input),
             &mut out.quad_sets,
         );
-        if name == "all" && out.quad_sets.get(name).is_some_and(|all| all.len() < count) {
-            let message = "the set \"all\" holds a part of the elements";
-            input.wrong(&key, message, "\"all\" stands for every element: give the set another name");
-        }
+    }
+    let whole = [
+        ("node_sets", out.node_sets.get("all").is_none_or(|all| all.len() == place.len())),
+        ("edge_sets", !out.edge_sets.contains_key("all")),
+        ("quad_sets", out.quad_sets.get("all").is_none_or(|all| all.len() == count)),
+    ];
+    for (sets, _) in whole.iter().filter(|(_, whole)| !whole) {
+        let message = "the set \"all\" holds a part of the mesh";
+        input.wrong(
+            &format!("mesh.{sets}.all"),
+            message,
+            "\"all\" stands for every element: give the set another name",
+        );
     }
 }
 
@@ -168,7 +177,7 @@ fn shortened(input: Input) -> Vec<crate::Issue> {
         }
     }
     for (key, count) in counts.into_iter().filter(|(_, count)| *count > SHOWN) {
-        let message = format!("and {} more mistakes of this kind", count - SHOWN);
+        let message = format!("mistakes beside these, in the same list: {}", count - SHOWN);
         out.push(crate::Issue::new(&key, message, "see those written out above"));
     }
     out
@@ -265,14 +274,23 @@ mod tests {
         assert!(told(&|m| m.quads.clear()).starts_with("mesh.quads: the mesh has no elements"));
         assert!(
             told(&|m| drop(m.quad_sets.insert("all".into(), vec![0])))
-                .contains("\"all\" holds a part of the elements")
+                .contains("mesh.quad_sets.all: the set \"all\" holds a part of the mesh")
+        );
+        assert!(
+            told(&|m| drop(m.node_sets.insert("all".into(), vec![0])))
+                .contains("mesh.node_sets.all: the set \"all\" holds a part of the mesh")
+        );
+        assert!(
+            told(&|m| drop(m.edge_sets.insert("all".into(), vec![[0, 1]])))
+                .contains("mesh.edge_sets.all: the set \"all\" holds a part of the mesh")
         );
         assert!(
             told(&|m| drop(m.node_sets.insert("none".into(), vec![]))).contains("the set \"none\" is empty")
         );
         let many = told(&|m| m.quads = (0..20).map(|i| [i, i, i, i]).collect());
         assert!(
-            many.contains("and ") && many.lines().filter(|line| line.starts_with("mesh.quads")).count() == 6
+            many.contains("mistakes beside these, in the same list: ")
+                && many.lines().filter(|line| line.starts_with("mesh.quads")).count() == 6
         );
     }
 }

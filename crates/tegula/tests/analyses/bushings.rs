@@ -593,3 +593,22 @@ fn stiff_bushings_that_are_soft_in_one_rotation_have_a_slow_mode() {
         );
     }
 }
+
+/// A point mass on a bushing askew to the axes of space, which is stiff along one of its axes, soft along another one, and leaves the third one free.
+#[test]
+fn bushings_askew_leave_one_direction_free_and_another_one_soft() {
+    for (stiff, soft) in [(1e9, 1e-4), (1e12, 1.0), (1e13, 1.0)] {
+        let mount = Bushing {
+            stiffness: Some([stiff, soft, 0.0, 0.0, 0.0, 0.0]),
+            ..bushing(["ground", "mass"], [0.0; 3])
+        };
+        let analysis = Analysis::Modal(ModalAnalysis::new(3));
+        let mut model = Model::of_bodies(analysis, vec![body("mass", [0.0; 3], 2.0, None)], Vec::new());
+        model.bushings = vec![mount];
+        let found = modal::run(&built(&model), 3, None, &mut Silent).unwrap();
+        let omegas: Vec<f64> = found.modes.iter().map(|mode| mode.omega).collect();
+        assert!(omegas[0] == 0.0 && found.modes[0].rigid, "{omegas:?}");
+        assert!((omegas[1] / f64::sqrt(0.5 * soft) - 1.0).abs() < 1e-2, "{omegas:?}");
+        assert!((omegas[2] / f64::sqrt(0.5 * stiff) - 1.0).abs() < 1e-9, "{omegas:?}");
+    }
+}

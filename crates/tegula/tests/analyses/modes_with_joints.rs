@@ -625,3 +625,55 @@ fn point_masses_on_a_line_of_springs_have_the_modes_of_a_chain() {
         }
     }
 }
+
+/// Three point masses with springs along an axis and nothing across it, free or held at one end: all motions across are free.
+#[test]
+fn chains_of_springs_alone_are_free_across_their_axis() {
+    for held in [false, true] {
+        let at = |i: usize| [i as f64, 0.0, 0.0];
+        let name = |i: usize| format!("mass {i}");
+        let bodies = (1..4).map(|i| body(&name(i), at(i), 1.0, None)).collect();
+        let mut model = Model::of_bodies(modal(9, false), bodies, Vec::new());
+        let link = |i: usize| spring(&format!("link {i}"), [&name(i), &name(i + 1)], [at(i), at(i + 1)], 1e3);
+        model.springs = (1..3).map(link).collect();
+        if held {
+            model.springs.push(spring("wall", ["ground", "mass 1"], [at(0), at(1)], 1e3));
+        }
+        let stretched: Vec<f64> = if held {
+            (1..4).map(|i| 4e3 * (std::f64::consts::PI * (f64::from(i) - 0.5) / 7.0).sin().powi(2)).collect()
+        } else {
+            vec![1e3, 3e3]
+        };
+        let (_, found) = modes(&model);
+        let free = 9 - stretched.len();
+        for (i, mode) in found.modes.iter().enumerate() {
+            let exact = if i < free { 0.0 } else { stretched[i - free].sqrt() };
+            assert!(
+                (mode.omega - exact).abs() <= 1e-9 * exact && mode.rigid == (i < free),
+                "{held} {i}: {mode:?}"
+            );
+        }
+    }
+}
+
+/// A plate oblique to the axes of space on a foundation normal to it alone: three motions in its plane are free, and no other ones.
+#[test]
+fn oblique_plates_on_normal_foundations_move_freely_in_their_planes() {
+    for angle in [0.0_f64, 0.3, 0.9] {
+        let mut model = crate::common::model(crate::common::plate([1.0, 0.4], [6, 3], 0.0), 2.1e11, 0.01);
+        model.conditions.clear();
+        if let MeshSource::Plate(plate) = &mut model.mesh {
+            plate.v_axis = [0.0, angle.cos(), angle.sin()];
+        }
+        model.foundations = vec![Foundation::Area(AreaFoundation {
+            on: "all".into(),
+            stiffness: [0.0; 3],
+            normal: 1e6,
+            retardation_time: 0.0,
+        })];
+        model.analysis = modal(4, false);
+        let (_, found) = modes(&model);
+        let rigid: Vec<bool> = found.modes.iter().map(|mode| mode.rigid).collect();
+        assert_eq!(rigid, [true, true, true, false], "{angle}");
+    }
+}

@@ -45,7 +45,8 @@ const MOST_ROTATION: f64 = 0.02;
 /// Steps between two breaks of amplitudes, and in the whole analysis, where nothing else limits the step of a model with bodies.
 const RESOLVED: f64 = 20.0;
 const FEWEST: f64 = 500.0;
-/// Interval between two breaks, over the analysis, up to which it is resolved by that many steps; a shorter ramp acts as a jump, at whose ends steps end.
+/// Interval between two breaks over the length of the analysis, down to which it is resolved by that many steps. A shorter ramp acts as a jump, at whose ends
+/// steps end.
 const SHORTEST_RAMP: f64 = 1e-4;
 /// Damping over mass times the step: the damping of the half step lags, which the balance of energies notices.
 const DAMPED: f64 = 0.1;
@@ -213,7 +214,7 @@ impl<'a> ExplicitSteps<'a> {
             fibres.take(system, &state.u);
             let largest = options.max_step.unwrap_or(options.end_time);
             let bodies = !system.coordinates.bodies.is_empty();
-            let ramp = self.ends.shortest_gap().max(SHORTEST_RAMP * options.end_time);
+            let ramp = self.ends.shortest_gap(SHORTEST_RAMP * options.end_time);
             let gap = (ramp / RESOLVED).min(options.end_time / FEWEST);
             let resolved = (ROTATION / scheme.rate(state)).min(if bodies { gap } else { f64::INFINITY });
             let resolved = resolved.min(DAMPED / critical.damping);

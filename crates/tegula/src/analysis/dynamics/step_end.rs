@@ -47,8 +47,8 @@ impl StepEnds {
     }
 
     /// Shortest distance between two breaks of amplitudes or times that are asked for, or from one to either end of the analysis.
-    pub fn shortest_gap(&self) -> f64 {
-        self.stops.shortest_gap(self.end)
+    pub fn shortest_gap(&self, least: f64) -> f64 {
+        self.stops.shortest_gap(self.end, least)
     }
 
     /// Limits the next step, which ends at this time at the latest.

@@ -6,7 +6,7 @@
 //! soft one. Parts of like frequencies therefore form a group, with a shift of its own.
 
 use super::rigid::{Parts, RigidModes};
-use super::strain_energy::{OF_SPRINGS, ground_resists};
+use super::strain_energy::OF_SPRINGS;
 use crate::analysis::newton::Newton;
 use crate::analysis::{Observer, State, equilibrium};
 use crate::element::{ElementGroup, TangentWeights};
@@ -132,9 +132,7 @@ impl<'a> Problem<'a> {
         let parts = Parts::new(system);
         let moved = moved_parts(system, &state, &parts);
         let rests = |part: usize| !strained && !moved[part];
-        let mut rigid = RigidModes::new(system, &state, &parts, &newton.assembly.frames, rests);
-        // The forces of stiff directions of a spring hide those of soft ones; their strain energies do not.
-        rigid.retain(&parts, |shape| !ground_resists(system, &state, shape));
+        let rigid = RigidModes::new(system, &state, &parts, &newton.assembly.frames, rests);
         let stiffness_of_elements = if system.dofs().attached.is_empty() {
             0.0
         } else {

@@ -185,13 +185,6 @@ impl RigidModes {
         self.modes.len()
     }
 
-    /// Drops the modes that are none.
-    pub fn retain(&mut self, parts: &Parts, is_rigid: impl Fn(&[Nodal]) -> bool) {
-        let kept: Vec<bool> = (0..self.len()).map(|mode| is_rigid(&self.shape(mode, parts))).collect();
-        let mut kept = kept.into_iter();
-        self.modes.retain(|_| kept.next().unwrap_or(true));
-    }
-
     /// Part of a rigid mode.
     pub fn part(&self, mode: usize) -> usize {
         self.modes[mode].part
@@ -311,7 +304,8 @@ fn add_ground_gram(
         let mut blocks = vec![0.0; size * group.len()];
         let weights = TangentWeights::STATIC;
         let request = TangentRequest { weights, stress: None, prescribed: None, blocks: &mut blocks };
-        group.evaluate(&point.of_group(system, number, &factors), 0, &mut forces, Some(request));
+        let k = point.of_group(system, number, &factors);
+        group.evaluate(&k, 0, &mut forces, Some(request));
         for element in grounded {
             let (vectors, blocks) = (group.vectors(element), &blocks[element * size..(element + 1) * size]);
             let scale = blocks.iter().map(|k| k.abs()).fold(0.0, larger);
@@ -325,6 +319,22 @@ fn add_ground_gram(
             for (motion, force) in motions.row_iter().zip(&svd.singular_values) {
                 if *force > NO_FORCE * largest {
                     let motion = nalgebra::SVector::<f64, MOTIONS>::from_fn(|i, _| motion[i]);
+                    out[parts.of(vectors[0] as usize)] += motion * motion.transpose();
+                }
+            }
+            // Forces in stiff directions hide those in soft ones, but not the strains of these.
+            for gradient in group.resisted_strains(element, &k) {
+                let strain = |i: usize| -> f64 {
+                    gradient
+                        .iter()
+                        .zip(vectors)
+                        .map(|(g, &v)| g.dot(&Vec3::from(fields[i][v as usize])))
+                        .sum()
+                };
+                let motion = nalgebra::SVector::<f64, MOTIONS>::from_fn(|i, _| strain(i));
+                if let Some(motion) =
+                    motion.try_normalize(NO_FORCE * gradient.iter().map(|g| g.norm()).fold(0.0, larger))
+                {
                     out[parts.of(vectors[0] as usize)] += motion * motion.transpose();
                 }
             }

@@ -7,11 +7,10 @@
 
 use super::problem::Problem;
 use crate::Vec3;
-use crate::analysis::State;
 use crate::constraint::{BushingGroup, SpringGroup, TorsionSpringGroup};
 use crate::element::{ElementGroup, GroupPoint, Nodal, TangentRequest, TangentWeights, energy_of_blocks};
 use crate::norm::larger;
-use crate::system::{System, VectorKind, dot};
+use crate::system::{VectorKind, dot};
 
 /// Round-off of an eigenvalue over the sum of its terms' sizes. The equilibrium itself is known to a similar part of its forces.
 const ROUND_OFF: f64 = 1e-12;
@@ -73,7 +72,8 @@ impl Problem<'_> {
         };
         let modal_mass = 2.0 * self.system.kinetic_energy(shape);
         let material = 2.0 * self.material_energy(shape) / modal_mass;
-        let round_off_of_material = ROUND_OFF_OF_STRAIN * terms + ROUND_OFF_OF_SHIFT * shift;
+        let round_off_of_material =
+            ROUND_OFF_OF_STRAIN * self.distance().powi(2) * terms + ROUND_OFF_OF_SHIFT * shift;
         let stress = if self.stress_free {
             0.0
         } else {
@@ -85,6 +85,15 @@ impl Problem<'_> {
             material,
             round_off_of_material,
         }
+    }
+
+    /// Largest distance of a place from the origin over the size of the model, at least 1: differences of places, which give directions, are known
+    /// to so many times the machine precision.
+    fn distance(&self) -> f64 {
+        let coordinates = &self.system.coordinates;
+        let positions = coordinates.reference.iter().zip(&coordinates.kinds);
+        let lengths = positions.filter(|(_, kind)| **kind == VectorKind::Position);
+        lengths.map(|(x, _)| Vec3::from(*x).norm() / self.system.length).fold(1.0, larger)
     }
 
     /// Largest displacement of the state over the size of the model, or change of a director.
@@ -128,22 +137,6 @@ impl Problem<'_> {
             })
             .sum()
     }
-}
-
-/// Whether an element that the ground holds resists a motion, however little beside others.
-pub(super) fn ground_resists(system: &System, state: &State, shape: &[Nodal]) -> bool {
-    let (factors, point): (Vec<f64>, _) = (system.factors(state.time).collect(), state.point(system));
-    system.numbered_groups().any(|(number, group, _)| {
-        if !(0..group.len()).any(|element| group.is_grounded(element)) {
-            return false;
-        }
-        let k = point.of_group(system, number, &factors);
-        let mut energies = vec![0.0; group.len()];
-        group.material_energies(&k, shape, &mut energies);
-        let grounded = energies.iter().enumerate().filter(|(element, _)| group.is_grounded(*element));
-        let energy: f64 = grounded.map(|(_, energy)| energy).sum();
-        energy > ROUND_OFF_OF_STRAIN * sizes_of_terms(group, &k, TangentWeights::MATERIAL, shape)
-    })
 }
 
 /// Energy ½ φ·K φ of a group by its tangent K.
