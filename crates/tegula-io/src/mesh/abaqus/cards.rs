@@ -95,7 +95,11 @@ impl<'a> Reader<'a> {
                 let (keyword, parameters) = rest.split_once(',').unwrap_or((rest, ""));
                 let keyword = single_blanks(keyword);
                 if keyword.is_empty() {
-                    return Err(self.error(line, "the keyword is missing behind the star", "write a keyword such as *NODE"));
+                    return Err(self.error(
+                        line,
+                        "the keyword is missing behind the star",
+                        "write a keyword such as *NODE",
+                    ));
                 }
                 let parameters = self.parameters(line, parameters)?;
                 cards.push(Card { keyword, line, parameters, data: Vec::new() });

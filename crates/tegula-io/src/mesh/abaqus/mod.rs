@@ -89,7 +89,8 @@ fn mesh(reader: &Reader<'_>, parts: &Parts, scale: f64) -> Result<Mesh, MeshErro
         of.iter().filter_map(|label| known.get(label)).copied().collect()
     };
     let sets = |named: &sets::Sets, singles: &BTreeSet<u64>, known: &HashMap<u64, u32>| {
-        let single = singles.iter().map(|label| (label.to_string(), members(&BTreeSet::from([*label]), known)));
+        let single =
+            singles.iter().map(|label| (label.to_string(), members(&BTreeSet::from([*label]), known)));
         let named = named.iter().map(|(name, of)| (name.to_owned(), members(of, known)));
         single.chain(named).filter(|(_, set)| !set.is_empty()).collect()
     };

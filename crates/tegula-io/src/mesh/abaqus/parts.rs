@@ -48,11 +48,7 @@ const REFUSED: &[(&[&str], &str, &str)] = &[
         "files of parts and instances are not read",
         "write a flat input file: in Abaqus/CAE `Do not use parts and assemblies in input files` in the attributes of the model",
     ),
-    (
-        &["INCLUDE"],
-        "other files are not included",
-        "put the text of that file in the place of the card",
-    ),
+    (&["INCLUDE"], "other files are not included", "put the text of that file in the place of the card"),
     (
         &["NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"],
         "nodes and elements are not generated or transformed",
@@ -64,11 +60,24 @@ const REFUSED: &[(&[&str], &str, &str)] = &[
         "remove the contact cards; stops of joints bound the motion of bodies",
     ),
     (
-        &["TIE", "MPC", "EQUATION", "COUPLING", "KINEMATIC", "DISTRIBUTING", "RIGID BODY", "EMBEDDED ELEMENT"],
+        &[
+            "TIE",
+            "MPC",
+            "EQUATION",
+            "COUPLING",
+            "KINEMATIC",
+            "DISTRIBUTING",
+            "RIGID BODY",
+            "EMBEDDED ELEMENT",
+        ],
         "couplings of nodes are not read",
         "remove the card, and give bodies, joints or ties in the model file",
     ),
-    (&["TRANSFORM"], "nodal coordinate systems are not read", "give supports and loads along the global axes"),
+    (
+        &["TRANSFORM"],
+        "nodal coordinate systems are not read",
+        "give supports and loads along the global axes",
+    ),
 ];
 
 /// Reads nodes, elements and sets of the cards.
@@ -110,7 +119,9 @@ pub fn is_refused(keyword: &str) -> bool {
 }
 
 fn refusal(keyword: &str) -> Option<(&'static str, &'static str)> {
-    let begins = |word: &&str| keyword.strip_prefix(*word).is_some_and(|rest| rest.is_empty() || rest.starts_with(' '));
+    let begins = |word: &&str| {
+        keyword.strip_prefix(*word).is_some_and(|rest| rest.is_empty() || rest.starts_with(' '))
+    };
     // Requests for results of contacts do not change anything.
     let request = keyword.ends_with(" PRINT") || keyword.ends_with(" FILE") || keyword.ends_with(" OUTPUT");
     let found = REFUSED.iter().find(|(words, _, _)| !request && words.iter().any(begins))?;
@@ -172,14 +183,22 @@ impl Parts {
         let kind = reader.required(card, "TYPE")?.to_uppercase();
         if !matches!(kind.as_str(), "S4" | "S4R") {
             let help = match kind.as_str() {
-                "S3" | "S3R" | "STRI3" | "STRI65" | "S6" => "mesh the surface with quadrilaterals of four nodes, S4",
+                "S3" | "S3R" | "STRI3" | "STRI65" | "S6" => {
+                    "mesh the surface with quadrilaterals of four nodes, S4"
+                }
                 "S8R" | "S8R5" | "S8" | "S9R5" => {
                     "save the mesh in first order as S4, with about twice as many elements along each side"
                 }
                 "S4R5" | "S4RS" | "S4RSW" => "write TYPE=S4; there are no hourglass modes here",
-                _ => "only shells of four nodes are read: mesh the middle surface with S4, and give bodies and beams in the model file",
+                _ => {
+                    "only shells of four nodes are read: mesh the middle surface with S4, and give bodies and beams in the model file"
+                }
             };
-            return Err(reader.error(card.line, format!("elements of type {} are not read", shown(&kind)), help));
+            return Err(reader.error(
+                card.line,
+                format!("elements of type {} are not read", shown(&kind)),
+                help,
+            ));
         }
         let start = self.elements.len();
         let mut pending: Vec<(usize, &str)> = Vec::new();
@@ -281,7 +300,11 @@ impl Parts {
 /// Element of the fields of one data line and its continuations.
 fn element(reader: &Reader<'_>, data: DataLine<'_>, fields: &[(usize, &str)]) -> Result<Element, MeshError> {
     let [(line, first), nodes @ ..] = fields else {
-        return Err(reader.error(data.line, "the line holds no element", "write its number and its four nodes"));
+        return Err(reader.error(
+            data.line,
+            "the line holds no element",
+            "write its number and its four nodes",
+        ));
     };
     let element = reader.label(*line, first, "an element")?;
     if nodes.len() != 4 {

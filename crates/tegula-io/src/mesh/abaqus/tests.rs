@@ -9,7 +9,8 @@ use super::Abaqus;
 use super::cards::{Card, Reader};
 use crate::mesh::{MeshError, MeshReader};
 
-const SQUARE: &str = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n*ELEMENT, TYPE=S4, ELSET=E\n7, 1, 2, 3, 4\n";
+const SQUARE: &str =
+    "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n*ELEMENT, TYPE=S4, ELSET=E\n7, 1, 2, 3, 4\n";
 
 fn parsed(text: &str) -> Result<Mesh, MeshError> {
     Abaqus::parse(Path::new("part.inp"), text.as_bytes(), 1.0)
@@ -69,7 +70,10 @@ fn a_plate_is_read_with_its_sets_and_numbers() {
     assert_eq!(mesh.node_sets["12"], [4]);
     assert_eq!(mesh.quad_sets["plate"], [0, 1]);
     let labels = mesh.labels.unwrap();
-    assert_eq!((labels.file.as_str(), labels.nodes, labels.quads), ("part.inp", vec![1, 2, 3, 11, 12, 13], vec![1, 2]));
+    assert_eq!(
+        (labels.file.as_str(), labels.nodes, labels.quads),
+        ("part.inp", vec![1, 2, 3, 11, 12, 13], vec![1, 2])
+    );
 }
 
 #[test]
@@ -94,9 +98,15 @@ fn ranges_of_any_length_take_no_memory() {
     let mesh = read(&format!("{SQUARE}*NSET, NSET=A, GENERATE\n1, 18446744073709551615, 2\n"));
     assert_eq!(mesh.node_sets["A"], [0, 2]);
     let found = error_behind_square("*NSET, NSET=A, GENERATE\n5, 18446744073709551615\n");
-    assert!(found.starts_with("part.inp:9: the range from 5 to 18446744073709551615 holds no node"), "{found}");
+    assert!(
+        found.starts_with("part.inp:9: the range from 5 to 18446744073709551615 holds no node"),
+        "{found}"
+    );
     assert!(error_behind_square("*NSET, NSET=A, GENERATE\n3, 1\n").contains("ends at 1"));
-    assert!(error_behind_square("*NSET, NSET=A, GENERATE\n1, 3, 0\n").contains("\"0\" is not the number of an increment"));
+    assert!(
+        error_behind_square("*NSET, NSET=A, GENERATE\n1, 3, 0\n")
+            .contains("\"0\" is not the number of an increment")
+    );
 }
 
 #[test]
@@ -107,7 +117,11 @@ fn mistakes_name_their_line() {
         ("2, 1, 0, 0", "2.5, 1, 0, 0", "part.inp:3: \"2.5\" is not the number of a node"),
         ("2, 1, 0, 0", "1, 1, 0, 0", "part.inp:3: node 1 is defined again; line 2 does so, too"),
         ("2, 1, 0, 0", "2, 1, 0, 0, 1.", "part.inp:3: node 2 has more than three coordinates"),
-        ("7, 1, 2, 3, 4", "7, 1, 2, 3, 5", "part.inp:7: element 7 needs node 5, which the file does not define"),
+        (
+            "7, 1, 2, 3, 4",
+            "7, 1, 2, 3, 5",
+            "part.inp:7: element 7 needs node 5, which the file does not define",
+        ),
         ("7, 1, 2, 3, 4", "7, 1, 2, 3, 3", "part.inp:7: element 7 has node 3 at two corners"),
         ("7, 1, 2, 3, 4", "7, 1, 2, 3", "part.inp:7: element 7 has 3 nodes"),
         ("7, 1, 2, 3, 4", "7, 1, 2,", "part.inp:7: element 7 has 2 nodes"),
@@ -128,7 +142,10 @@ fn mistakes_name_their_line() {
     }
     for (cards, message) in [
         ("*NSET, NSET=A\n1, 9\n", "part.inp:9: the file has no node 9, which the set names"),
-        ("*NSET, NSET=A\nB\n", "part.inp:9: \"B\" is neither the number of a node nor the name of a set above"),
+        (
+            "*NSET, NSET=A\nB\n",
+            "part.inp:9: \"B\" is neither the number of a node nor the name of a set above",
+        ),
         ("*ELSET, ELSET=A\n1\n", "part.inp:9: the file has no element 1"),
         ("*NSET\n1\n", "part.inp:8: *NSET has no NSET"),
         ("*NSET, NSET=A, ELSET=B\n", "part.inp:8: there is no element set \"B\" above"),
