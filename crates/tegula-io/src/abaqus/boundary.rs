@@ -153,14 +153,18 @@ pub(super) fn write(
             ));
         }
         let rotations = [r1.is_some(), r2.is_some(), r3.is_some()];
-        let director = match common {
-            Some(common) => director_components(rotations, common)
-                .ok_or_else(|| oblique(reader, (*line, target), rotations))?,
+        let fixed = [u1, u2, u3].map(|u| u.is_some_and(|(value, _)| value == 0.0));
+        let components_of = |common| director_components(rotations, common);
+        let mirrored = symmetry(parts, target, fixed, rotations);
+        let director = match common.map(components_of) {
+            Some(Some(director)) => director,
+            // At the rim of a curved sheet the normals of the elements lie beside the plane of symmetry, to which those of the surface are parallel.
+            Some(None) if mirrored.is_some() => [false; 3],
+            Some(None) => return Err(oblique(reader, (*line, target), rotations)),
             None => [false; 3],
         };
-        let fixed = [u1, u2, u3].map(|u| u.is_some_and(|(value, _)| value == 0.0));
+        let plane = mirrored.filter(|&axis| director[axis] || common.map(components_of) == Some(None));
         let held = director == [true; 3] || common.is_some_and(|common| held(director, common));
-        let plane = common.is_some().then(|| symmetry(parts, target, fixed, rotations, director)).flatten();
         let mut entry = |kind: &str| {
             out.table(*line, head, "BOUNDARY");
             out.key(*line, "type", &quoted(kind));
@@ -246,17 +250,8 @@ fn director_components(rotations: [bool; 3], common: Directions) -> Option<[bool
 }
 
 /// Axis of a plane of symmetry: no displacement along it, no rotations about the others, and all nodes in one plane.
-fn symmetry(
-    parts: &Parts,
-    target: &Target,
-    fixed: [bool; 3],
-    rotations: [bool; 3],
-    director: [bool; 3],
-) -> Option<usize> {
+fn symmetry(parts: &Parts, target: &Target, fixed: [bool; 3], rotations: [bool; 3]) -> Option<usize> {
     let axis = (0..3).find(|&k| fixed[k] && !rotations[k] && (0..3).all(|i| i == k || rotations[i]))?;
-    if !director[axis] {
-        return None;
-    }
     let along = |node: &u64| parts.nodes.get(node).map(|(position, _)| position[axis]);
     let first = target.nodes.iter().find_map(along)?;
     let size = parts.used.iter().filter_map(along).map(|x| (x - first).abs()).fold(0.0, tegula::norm::larger);

@@ -88,6 +88,8 @@ pub struct Converted {
     pub lines: Vec<usize>,
     /// Message about requests that are not read; none where there are no such requests.
     pub ignored: Option<String>,
+    /// Message about steps that programs understand differently.
+    pub ambiguous: Option<String>,
 }
 
 /// Converts the bytes of an input file; `path` appears in errors, and `mesh_file` is the name of the file for the model file.
@@ -141,8 +143,8 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     let printed = printed(&parts, &cards);
     points(&mut out, &printed);
     if errors.is_empty() {
-        let ignored = ignored(&cards, &printed);
-        Ok(Converted { text: out.text, lines: out.lines, ignored })
+        let (ignored, ambiguous) = (ignored(&cards, &printed), ambiguous(&steps, &analyses));
+        Ok(Converted { text: out.text, lines: out.lines, ignored, ambiguous })
     } else {
         Err(distinct(errors))
     }
@@ -209,6 +211,22 @@ fn ignored(cards: &[Card<'_>], printed: &[Point]) -> Option<String> {
     };
     let list = listed(cards.iter().filter(ignored).map(|card| (card.keyword.as_str(), card.line)));
     (!list.is_empty()).then(|| format!("cards of the input file without effect: {list}"))
+}
+
+/// Message about modes and buckling behind a static step with large displacements, without PERTURBATION.
+fn ambiguous(steps: &[StepCards<'_, '_>], analyses: &[StepAnalysis]) -> Option<String> {
+    let mut loaded = false;
+    for (step, analysis) in steps.iter().zip(analyses) {
+        if analysis.card == "STATIC" {
+            loaded |= analysis.is_nonlinear();
+        } else if loaded && !step.is_perturbation() {
+            return Some(format!(
+                "*{} on line {} is about the state of the step before, as in Abaqus; CalculiX takes the unloaded structure, as the step has no PERTURBATION",
+                analysis.card, analysis.line
+            ));
+        }
+    }
+    None
 }
 
 /// Title and comment at the beginning.

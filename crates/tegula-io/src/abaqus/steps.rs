@@ -82,9 +82,14 @@ impl<'c, 't> StepCards<'c, 't> {
         self.head.line
     }
 
+    /// Whether the step is about the state of the step before in all programs.
+    pub fn is_perturbation(&self) -> bool {
+        self.head.has("PERTURBATION")
+    }
+
     /// Whether the step is a linear static analysis about the state of the step before, whose loads do not continue.
     pub fn is_static_perturbation(&self) -> bool {
-        self.head.has("PERTURBATION") && !self.of(&["STATIC"]).is_empty()
+        self.is_perturbation() && !self.of(&["STATIC"]).is_empty()
     }
 
     /// Analysis of the step; `nonlinear` tells whether displacements are large, as it does for the steps behind.
@@ -131,6 +136,11 @@ impl<'c, 't> StepCards<'c, 't> {
 }
 
 impl StepAnalysis {
+    /// Whether displacements are large.
+    pub fn is_nonlinear(&self) -> bool {
+        self.keys.iter().all(|(key, _)| *key != "linear")
+    }
+
     /// Writes the table `head`, such as `[analysis]`.
     pub fn write(&self, out: &mut Document, head: &str) {
         out.table(self.line, head, self.card);

@@ -49,6 +49,7 @@ pub(super) fn nodes(
             )),
         };
     }
+    let field = field.trim_matches('"');
     let Some((name, members)) = parts.node_sets.get(field) else {
         let element_set = parts.element_sets.get(field).is_some();
         return Err(reader.error(
@@ -60,6 +61,9 @@ pub(super) fn nodes(
             },
         ));
     };
+    if let Some(node) = parts.node_sets.repeated(name).filter(|_| all) {
+        return Err(twice(reader, (line, name), format!("node {node}")));
+    }
     let (used, orphans): (Vec<u64>, Vec<u64>) = members.iter().partition(|node| parts.used.contains(node));
     match orphans.first() {
         Some(&node) if all || used.is_empty() => Err(lost(node)),
@@ -68,6 +72,15 @@ pub(super) fn nodes(
         }
         _ => Ok(Target { name: name.to_owned(), nodes: used }),
     }
+}
+
+/// Error of a member that a set has twice.
+fn twice(reader: &Reader<'_>, (line, set): (usize, &str), member: String) -> MeshError {
+    reader.error(
+        line,
+        format!("the set \"{}\" lists {member} twice", shown(set)),
+        "programs differ in whether it has a load once or twice: list it once, or load its sets one by one",
+    )
 }
 
 /// Name and numbers of the elements of a data line, by number or name of a set.
@@ -84,6 +97,10 @@ pub(super) fn elements(
             return Ok((element.to_string(), BTreeSet::from([element])));
         }
         return Err(reader.error(line, format!("the file has no element {element}"), "check the number"));
+    }
+    let field = field.trim_matches('"');
+    if let Some(element) = parts.element_sets.repeated(field) {
+        return Err(twice(reader, (line, field), format!("element {element}")));
     }
     match parts.element_sets.get(field) {
         Some((name, members)) if !members.is_empty() => Ok((name.to_owned(), members.clone())),

@@ -318,6 +318,68 @@ fn a_converted_model_is_the_model_of_the_input_file() {
     assert_eq!((a.mesh.quads.len(), a.system.unknowns()), (2, b.system.unknowns()));
 }
 
+#[test]
+fn loads_on_sets_that_list_a_member_twice_are_refused() {
+    let mesh =
+        MESH.replace("*MATERIAL,", "*NSET, NSET=Twice\nTip, 6\n*ELSET, ELSET=Both\n1, 2, 1\n*MATERIAL,");
+    let told = |steps: &str| mistakes(&format!("{mesh}{SUPPORT}{steps}")).remove(0).1;
+    assert_eq!(told(&STEP.replace("TIP", "twice")), "the set \"Twice\" lists node 6 twice");
+    let pressure = STEP.replace("*CLOAD\nTIP, 3, -2.", "*DLOAD\nBOTH, P, 1.");
+    assert_eq!(told(&pressure), "the set \"BOTH\" lists element 1 twice");
+    // A support holds a node once, however often it is named.
+    let path = Path::new("strip.inp");
+    let deck = format!("{mesh}*BOUNDARY\nTWICE, 3\n{SUPPORT}{STEP}");
+    assert!(convert(path, deck.as_bytes(), "strip.inp").is_ok());
+}
+
+#[test]
+fn ranges_meet_their_last_number() {
+    let mesh = MESH.replace("*MATERIAL,", "*NSET, NSET=Odd, GENERATE\n1, 6, 2\n*MATERIAL,");
+    assert_eq!(
+        mistakes(&format!("{mesh}{SUPPORT}{STEP}")).remove(0).1,
+        "the range from 1 by 2 does not meet its last number 6"
+    );
+}
+
+#[test]
+fn names_in_quotes_are_the_names_without_them() {
+    let mesh = MESH.replace("NSET=Tip", "NSET=\"The Tip\"");
+    let deck = format!("{mesh}{SUPPORT}{}", STEP.replace("TIP,", "\"The Tip\","));
+    let converted = convert(Path::new("strip.inp"), deck.as_bytes(), "strip.inp").unwrap();
+    let strip = Deck::parse("strip.toml", converted.text).unwrap().model;
+    assert_eq!(serde_json::to_value(strip).unwrap()["loads"][0]["on"], "The Tip");
+}
+
+#[test]
+fn the_rim_of_a_curved_sheet_in_a_plane_is_a_plane_of_symmetry() {
+    let mesh = MESH.replace("2, 1, 0\n", "2, 1, 0, 0.3\n").replace("5, 1, 1\n", "5, 1, 1, 0.3\n");
+    let deck = format!("{mesh}*BOUNDARY\nROOT, XSYMM\nTIP, 3\n{STEP}");
+    let converted = convert(Path::new("strip.inp"), deck.as_bytes(), "strip.inp").unwrap();
+    let strip = Deck::parse("strip.toml", converted.text).unwrap().model;
+    let condition = serde_json::to_value(strip).unwrap()["conditions"][0].clone();
+    assert_eq!((&condition["type"], &condition["on"]), (&"symmetry".into(), &"Root".into()));
+    assert_eq!(condition["normal"], json("[1.0, 0.0, 0.0]"));
+    // Without the displacement along x there is no plane.
+    let free = deck.replace("ROOT, XSYMM", "ROOT, 5, 6");
+    assert!(convert(Path::new("strip.inp"), free.as_bytes(), "strip.inp").is_err());
+}
+
+#[test]
+fn modes_about_loaded_states_come_with_a_message_unless_the_step_is_a_perturbation() {
+    let ambiguous = |head: &str, before: &str| {
+        let deck = format!("{MESH}{SUPPORT}{before}{head}\n*FREQUENCY\n3\n*END STEP\n");
+        convert(Path::new("strip.inp"), deck.as_bytes(), "strip.inp").unwrap().ambiguous
+    };
+    let found = ambiguous("*STEP", STEP).unwrap();
+    assert!(
+        found.starts_with("*FREQUENCY on line") && found.contains("CalculiX takes the unloaded structure"),
+        "{found}"
+    );
+    assert_eq!(ambiguous("*STEP, PERTURBATION", STEP), None);
+    assert_eq!(ambiguous("*STEP", &STEP.replace(", NLGEOM", "")), None);
+    assert_eq!(ambiguous("*STEP", ""), None);
+}
+
 proptest! {
     #[test]
     fn damaged_decks_never_panic(at in 0_usize..900, with in "[*,=0-9a-zA-Z .\n-]{0,12}", cut in 0_usize..30) {

@@ -39,6 +39,10 @@ pub(super) fn parse(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Deck, 
             "results are those of `[output]` in the model file, which `tegula convert` writes",
         )
     }));
+    deck.warnings.extend(converted.ambiguous.map(|message| {
+        let help = "write PERTURBATION on *STEP to have the loaded state in both programs, or a file of its own for the unloaded structure";
+        Issue::new("", message, help)
+    }));
     deck.input = Some(input);
     Ok(deck)
 }

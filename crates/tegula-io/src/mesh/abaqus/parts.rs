@@ -173,7 +173,7 @@ impl Parts {
             labels.push(label);
         }
         if let Some(name) = reader.set_name(card, "NSET")? {
-            self.node_sets.entry(name).extend(labels);
+            self.node_sets.extend(name, labels);
         }
         Ok(())
     }
@@ -216,7 +216,7 @@ impl Parts {
         }
         if let Some(name) = reader.set_name(card, "ELSET")? {
             let labels: Vec<u64> = self.elements.iter().skip(start).map(|element| element.label).collect();
-            self.element_sets.entry(name).extend(labels);
+            self.element_sets.extend(name, labels);
         }
         Ok(())
     }
@@ -271,8 +271,8 @@ impl Parts {
             ));
         };
         let inside = self.elements.iter().filter(|element| members.contains(&element.label));
-        let nodes: Vec<u64> = inside.flat_map(|element| element.nodes).collect();
-        self.node_sets.entry(name).extend(nodes);
+        let nodes: BTreeSet<u64> = inside.flat_map(|element| element.nodes).collect();
+        self.node_sets.extend(name, nodes);
         Ok(())
     }
 

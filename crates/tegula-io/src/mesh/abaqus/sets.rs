@@ -10,6 +10,8 @@ use crate::mesh::MeshError;
 pub struct Sets {
     index: HashMap<String, usize>,
     list: Vec<(String, BTreeSet<u64>)>,
+    /// A member that stands twice in a set, by the name of the set in capitals.
+    repeated: HashMap<String, u64>,
 }
 
 /// Kind of set that a card defines.
@@ -29,14 +31,24 @@ pub const NODES: SetKind = SetKind { parameter: "NSET", member: "a node", noun: 
 pub const ELEMENTS: SetKind = SetKind { parameter: "ELSET", member: "an element", noun: "element" };
 
 impl Sets {
-    /// Members of the set `name` to which more can be added; a new set where there is none.
-    pub fn entry(&mut self, name: &str) -> &mut BTreeSet<u64> {
-        let next = self.list.len();
-        let at = *self.index.entry(name.to_uppercase()).or_insert(next);
+    /// Adds members to the set `name`; a new set where there is none.
+    pub fn extend(&mut self, name: &str, members: impl IntoIterator<Item = u64>) {
+        let (next, capitals) = (self.list.len(), name.to_uppercase());
+        let at = *self.index.entry(capitals.clone()).or_insert(next);
         if at == next {
             self.list.push((name.to_owned(), BTreeSet::new()));
         }
-        &mut self.list[at].1
+        let Some((_, set)) = self.list.get_mut(at) else { return };
+        for member in members {
+            if !set.insert(member) {
+                self.repeated.entry(capitals.clone()).or_insert(member);
+            }
+        }
+    }
+
+    /// A member that the file lists twice in the set `name`, where there is one.
+    pub fn repeated(&self, name: &str) -> Option<u64> {
+        self.repeated.get(&name.to_uppercase()).copied()
     }
 
     /// Spelling and members of the set `name`.
@@ -69,7 +81,7 @@ impl Sets {
             true => ranges(reader, card, kind, known)?,
             false => self.listed(reader, card, kind, known)?,
         };
-        self.entry(name).extend(members);
+        self.extend(name, members);
         Ok(())
     }
 
@@ -80,8 +92,8 @@ impl Sets {
         card: &Card<'_>,
         kind: SetKind,
         known: &BTreeSet<u64>,
-    ) -> Result<BTreeSet<u64>, MeshError> {
-        let mut members = BTreeSet::new();
+    ) -> Result<Vec<u64>, MeshError> {
+        let mut members = Vec::new();
         for (line, field) in card.fields().filter(|(_, field)| !field.is_empty()) {
             if let Some(number) = label(field) {
                 if !known.contains(&number) {
@@ -91,9 +103,10 @@ impl Sets {
                         "remove the number from the set, or define it",
                     ));
                 }
-                members.insert(number);
+                members.push(number);
             } else if let Some((_, others)) = self.get(field.trim_matches('"')) {
                 members.extend(others);
+                members.extend(self.repeated(field.trim_matches('"')));
             } else {
                 return Err(reader.error(
                     line,
@@ -117,8 +130,8 @@ fn ranges(
     card: &Card<'_>,
     kind: SetKind,
     known: &BTreeSet<u64>,
-) -> Result<BTreeSet<u64>, MeshError> {
-    let mut members = BTreeSet::new();
+) -> Result<Vec<u64>, MeshError> {
+    let mut members = Vec::new();
     for data in &card.data {
         let fields = data.list();
         let (first, last, step) = match fields[..] {
@@ -141,6 +154,13 @@ fn ranges(
                 data.line,
                 format!("the range ends at {last}, before its first number {first}"),
                 "write first, last, increment",
+            ));
+        }
+        if (last - first) % step != 0 {
+            return Err(reader.error(
+                data.line,
+                format!("the range from {first} by {step} does not meet its last number {last}"),
+                "programs differ in whether the last number belongs to it: give one that does",
             ));
         }
         let mut inside = known.range(first..=last).filter(|&&n| (n - first) % step == 0).peekable();
