@@ -22,6 +22,8 @@ mod targets;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use tegula::Issue;
+
 use self::boundary::Restraint;
 use self::document::{Document, quoted};
 use self::loads::Load;
@@ -80,16 +82,14 @@ const IGNORED: &[&str] = &[
 ];
 
 /// Text of a model file made of an input file.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Converted {
     /// The text.
     pub text: String,
     /// Line of the input file that each line of the text comes from, counted from 1; 0 for none.
     pub lines: Vec<usize>,
-    /// Message about requests that are not read; none where there are no such requests.
-    pub ignored: Option<String>,
-    /// Message about steps that programs understand differently.
-    pub ambiguous: Option<String>,
+    /// Warnings: requests that are not read, and steps that programs understand differently.
+    pub warnings: Vec<Issue>,
 }
 
 /// Converts the bytes of an input file; `path` appears in errors, and `mesh_file` is the name of the file for the model file.
@@ -143,8 +143,8 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     let printed = printed(&parts, &cards);
     points(&mut out, &printed);
     if errors.is_empty() {
-        let (ignored, ambiguous) = (ignored(&cards, &printed), ambiguous(&steps, &analyses));
-        Ok(Converted { text: out.text, lines: out.lines, ignored, ambiguous })
+        let warnings = ignored(&cards, &printed).into_iter().chain(ambiguous(&steps, &analyses)).collect();
+        Ok(Converted { text: out.text, lines: out.lines, warnings })
     } else {
         Err(distinct(errors))
     }
@@ -203,27 +203,31 @@ fn listed<'a>(cards: impl Iterator<Item = (&'a str, usize)>) -> String {
     lines.into_iter().map(named).collect::<Vec<_>>().join(", ")
 }
 
-/// Message about requests for results that are not read.
-fn ignored(cards: &[Card<'_>], printed: &[Point]) -> Option<String> {
+/// Warning about requests for results that are not read.
+fn ignored(cards: &[Card<'_>], printed: &[Point]) -> Option<Issue> {
     let read = |card: &Card<'_>| printed.iter().any(|point| point.line == card.line);
     let ignored = |card: &&Card<'_>| {
         IGNORED.contains(&card.keyword.as_str()) || (card.keyword == "NODE PRINT" && !read(card))
     };
     let list = listed(cards.iter().filter(ignored).map(|card| (card.keyword.as_str(), card.line)));
-    (!list.is_empty()).then(|| format!("cards of the input file without effect: {list}"))
+    let message = format!("cards of the input file without effect: {list}");
+    let help = "results are those of `[output]` in the model file, which `tegula convert` writes";
+    (!list.is_empty()).then(|| Issue::new("", message, help))
 }
 
-/// Message about modes and buckling behind a static step with large displacements, without PERTURBATION.
-fn ambiguous(steps: &[StepCards<'_, '_>], analyses: &[StepAnalysis]) -> Option<String> {
+/// Warning about modes and buckling behind a static step with large displacements, without PERTURBATION.
+fn ambiguous(steps: &[StepCards<'_, '_>], analyses: &[StepAnalysis]) -> Option<Issue> {
     let mut loaded = false;
     for (step, analysis) in steps.iter().zip(analyses) {
         if analysis.card == "STATIC" {
             loaded |= analysis.is_nonlinear();
         } else if loaded && !step.is_perturbation() {
-            return Some(format!(
+            let message = format!(
                 "*{} on line {} is about the state of the step before, as in Abaqus; CalculiX takes the unloaded structure, as the step has no PERTURBATION",
                 analysis.card, analysis.line
-            ));
+            );
+            let help = "write PERTURBATION on *STEP to have the loaded state in both programs, or a file of its own for the unloaded structure";
+            return Some(Issue::new("", message, help));
         }
     }
     None

@@ -3,8 +3,6 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use tegula::Issue;
-
 use super::diagnostic::Source;
 use super::{Deck, Diagnostic};
 use crate::abaqus;
@@ -32,17 +30,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Deck, 
     })?;
     let input = KeywordInput { text: text.into(), lines: converted.lines.into() };
     let mut deck = Deck::parse(path, converted.text).map_err(|found| input.translated(path, found))?;
-    deck.warnings.extend(converted.ignored.map(|message| {
-        Issue::new(
-            "",
-            message,
-            "results are those of `[output]` in the model file, which `tegula convert` writes",
-        )
-    }));
-    deck.warnings.extend(converted.ambiguous.map(|message| {
-        let help = "write PERTURBATION on *STEP to have the loaded state in both programs, or a file of its own for the unloaded structure";
-        Issue::new("", message, help)
-    }));
+    deck.warnings.extend(converted.warnings);
     deck.input = Some(input);
     Ok(deck)
 }

@@ -147,6 +147,11 @@ impl Deck {
         }
     }
 
+    /// The deck of another model that this one leads to: of a step or a branch.
+    pub(crate) fn leading_to(&self, model: Model) -> Self {
+        Self { model, warnings: Vec::new(), ..self.clone() }
+    }
+
     /// Path of a file that the model names relative to the model file.
     pub fn beside(&self, file: impl AsRef<Path>) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(file)

@@ -73,13 +73,7 @@ pub(super) fn run(
         let title =
             if deck.model.title.is_empty() { title } else { format!("{}: {title}", deck.model.title) };
         let model = Model { title, analysis: Analysis::Path(options), ..deck.model.clone() };
-        let branch = Deck {
-            model,
-            path: deck.path.clone(),
-            text: deck.text.clone(),
-            warnings: Vec::new(),
-            input: deck.input.clone(),
-        };
+        let branch = deck.leading_to(model);
         let place = job.folder.join(&folder);
         let resume = job.resume && place.join("checkpoint.bin").exists() && Summary::read(&place).is_ok();
         let own = JobOptions { folder: place.clone(), resume, force: true };

@@ -94,13 +94,7 @@ impl Whole {
             };
             let title = titled(&deck.model.title, &format!("step {} of {count}, {}", i + 1, step.name));
             let model = tegula::Model { title, ..step.model.clone() };
-            let of_deck = Deck {
-                model,
-                path: deck.path.clone(),
-                text: deck.text.clone(),
-                warnings: Vec::new(),
-                input: deck.input.clone(),
-            };
+            let of_deck = deck.leading_to(model);
             let own = JobOptions { folder: place.clone(), resume: false, force: true };
             let done = match completed(&of_step, &JobOptions { resume: options.resume, ..own.clone() }) {
                 Some(done) if !branches::are_left(&step.model.analysis, &done) => done,

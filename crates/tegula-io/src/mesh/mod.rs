@@ -65,24 +65,7 @@ pub struct FileMesh {
 
 fn parsed<R: MeshReader>(path: &Path, scale: f64) -> Result<FileMesh, MeshError> {
     let bytes = load(path, ("mesh file", R::SUFFIX))?;
-    let mesh = R::parse(path, &bytes, scale)?;
-    whole(path, &mesh)?;
-    Ok(FileMesh { mesh, bytes })
-}
-
-/// Refuses a set of nodes or edges that is called "all" and is not the whole mesh.
-fn whole(path: &Path, mesh: &Mesh) -> Result<(), MeshError> {
-    let part = mesh.node_sets.get("all").is_some_and(|all| all.len() < mesh.positions.len())
-        || mesh.edge_sets.contains_key("all");
-    if !part {
-        return Ok(());
-    }
-    Err(MeshError {
-        file: path.to_owned(),
-        at: At::File,
-        message: "a set \"all\" of nodes or edges holds a part of the mesh".into(),
-        help: "\"all\" stands for the whole mesh in model files: give the set another name".into(),
-    })
+    Ok(FileMesh { mesh: R::parse(path, &bytes, scale)?, bytes })
 }
 
 /// Bytes of the file at `path`, a `kind` of file such as "mesh file" whose name should end with `suffix`. Devices and pipes are

@@ -45,7 +45,7 @@ const ROUNDS: usize = 5;
 const COUPLED: usize = 4;
 /// Places in a gap, as fractions of its width, where eigenvalues are counted until a factorisation succeeds.
 const PLACES: [f64; 4] = [0.5, 0.35, 0.65, 0.2];
-/// Residual of a mode above which it is no solution. Those found have less than 1e-8.
+/// Residual of a mode above which it is no solution. The iteration ends at 1e-8.
 const LARGEST_RESIDUAL: f64 = 1e-6;
 /// Shift below zero over the softening by centrifugal forces.
 const SOFTENING: f64 = 1.05;
@@ -349,7 +349,7 @@ fn miscounted(counted: usize, found: usize) -> Error {
 /// Rigid modes, up to the number that is wanted.
 ///
 /// # Errors
-/// One has a strain energy: it is none.
+/// The strains of one of them have an energy.
 fn rigid_modes(problem: &Problem, wanted: usize) -> Result<Vec<Mode>> {
     let mut modes = Vec::new();
     for index in 0..problem.rigid.len().min(wanted) {
@@ -375,14 +375,14 @@ fn refuse_residual(mode: &str, residual: f64) -> Result<()> {
     Err(Error::NotConverged {
         at: "the modes".into(),
         reason: format!("{mode} does not satisfy the eigenvalue problem: its residual is {residual:.1e}"),
-        help: "Check that the stiffnesses and masses of the model do not differ by more than twelve decades; reduce the larger ones.".into(),
+        help: "Reduce stiffnesses and masses that are more than ten decades larger than others; if there are none, change the number of modes.".into(),
     })
 }
 
 /// Elastic mode.
 ///
 /// # Errors
-/// The mode has a residual, or the assembled stiffness does not resolve the mode.
+/// The mode has a residual, or the assembled stiffness does not resolve it.
 fn mode(problem: &mut Problem, lambda: f64, mut pair: RitzPair, observer: &mut dyn Observer) -> Result<Mode> {
     let system = problem.system;
     problem.constrain(&mut pair.vector);

@@ -225,7 +225,8 @@ pub trait ElementGroup: Send + Sync {
             *energy = energy_of_blocks(&blocks[element * size..(element + 1) * size], value, n);
         }
     }
-    /// Gradients at the nodal vectors of strains that an element resists for certain, each by itself, however much stiffer it is against others.
+    /// Gradients, by the nodal vectors of an element, of strains that each have a stiffness of their own: they prevent rigid motions, also where the
+    /// forces of much stiffer strains hide theirs in round-off. None where forces alone tell.
     fn resisted_strains(&self, element: usize, k: &GroupPoint) -> Vec<Vec<Vec3>> {
         let _ = (element, k);
         Vec::new()

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::input::{Input, MOST_ELEMENTS};
+use super::sets::RENAME_ALL;
 use super::{Labels, Mesh};
 use crate::model::ArraysMesh;
 use crate::{Error, Result};
@@ -45,6 +46,9 @@ pub(super) fn mesh(source: &ArraysMesh) -> Result<Mesh> {
         let quads = (0..source.quads.len() as u64).collect();
         let nodes = used.iter().map(|&node| u64::from(node)).collect();
         out.labels = Some(Labels { file: String::new(), nodes, quads });
+    }
+    if let Some((sets, message)) = out.partial_all() {
+        return Err(Error::model(format!("mesh.{sets}.all"), message, RENAME_ALL));
     }
     if source.merge_coincident == Some(true) {
         out.merge_coincident_nodes().map_err(Error::Model)?;
@@ -125,19 +129,6 @@ fn sets(source: &ArraysMesh, place: &HashMap<u32, u32>, input: &mut Input, out: 
             (&key, "count elements from 0, in the order of `quads`"),
             (name, input),
             &mut out.quad_sets,
-        );
-    }
-    let whole = [
-        ("node_sets", out.node_sets.get("all").is_none_or(|all| all.len() == place.len())),
-        ("edge_sets", !out.edge_sets.contains_key("all")),
-        ("quad_sets", out.quad_sets.get("all").is_none_or(|all| all.len() == count)),
-    ];
-    for (sets, _) in whole.iter().filter(|(_, whole)| !whole) {
-        let message = "the set \"all\" holds a part of the mesh";
-        input.wrong(
-            &format!("mesh.{sets}.all"),
-            message,
-            "\"all\" stands for every element: give the set another name",
         );
     }
 }
@@ -274,15 +265,15 @@ mod tests {
         assert!(told(&|m| m.quads.clear()).starts_with("mesh.quads: the mesh has no elements"));
         assert!(
             told(&|m| drop(m.quad_sets.insert("all".into(), vec![0])))
-                .contains("mesh.quad_sets.all: the set \"all\" holds a part of the mesh")
+                .contains("mesh.quad_sets.all: the element set \"all\" holds 1 of 2 elements")
         );
         assert!(
             told(&|m| drop(m.node_sets.insert("all".into(), vec![0])))
-                .contains("mesh.node_sets.all: the set \"all\" holds a part of the mesh")
+                .contains("mesh.node_sets.all: the node set \"all\" holds 1 of 6 nodes")
         );
         assert!(
             told(&|m| drop(m.edge_sets.insert("all".into(), vec![[0, 1]])))
-                .contains("mesh.edge_sets.all: the set \"all\" holds a part of the mesh")
+                .contains("mesh.edge_sets.all: the edge set \"all\" is not the boundary of the mesh")
         );
         assert!(
             told(&|m| drop(m.node_sets.insert("none".into(), vec![]))).contains("the set \"none\" is empty")

@@ -12,6 +12,8 @@ use crate::{Issue, Vec3};
 
 /// Name of the whole mesh.
 pub const ALL: &str = "all";
+/// Remedy where a part of a mesh has this name.
+pub const RENAME_ALL: &str = "\"all\" stands for the whole mesh in model files: give the set another name";
 
 impl Mesh {
     /// Nodes of a part, sorted: those of the node set `name`, else of the edges or
@@ -53,6 +55,25 @@ impl Mesh {
             return Some(edges);
         }
         (name == ALL && !self.quad_sets.contains_key(ALL)).then(|| self.boundary_edges())
+    }
+
+    /// Table and message of a set that is called [`ALL`] and is not the whole mesh, with which a model would mean two things by this name.
+    pub fn partial_all(&self) -> Option<(&'static str, String)> {
+        let of = |sets, noun, held: Option<usize>, all: usize| {
+            let held = held.filter(|held| *held < all)?;
+            Some((sets, format!("the {noun} set \"{ALL}\" holds {held} of {all} {noun}s")))
+        };
+        of("node_sets", "node", self.node_sets.get(ALL).map(Vec::len), self.positions.len())
+            .or_else(|| of("quad_sets", "element", self.quad_sets.get(ALL).map(Vec::len), self.quads.len()))
+            .or_else(|| {
+                let boundary = self.boundary_edges();
+                let of_set =
+                    |edge: &[u32; 2]| boundary.iter().any(|other| undirected(other) == undirected(edge));
+                let set = self.edge_sets.get(ALL)?;
+                let whole = set.len() == boundary.len() && set.iter().all(of_set);
+                (!whole)
+                    .then(|| ("edge_sets", format!("the edge set \"{ALL}\" is not the boundary of the mesh")))
+            })
     }
 
     /// Quads of a part, sorted: those of the quad set `name`, else all if `name` is [`ALL`].

@@ -56,12 +56,12 @@ macro_rules! mesh_source {
             Extrusion(ExtrusionMesh),
             /// Nodes, elements and sets in the model itself.
             Arrays(ArraysMesh),
-            $(#[doc = $help] $format(GmshMesh),)*
+            $(#[doc = $help] $format(MeshFile),)*
         }
 
         impl MeshSource {
             /// Keys of a mesh file; `None` for generators.
-            pub fn file(&self) -> Option<&GmshMesh> {
+            pub fn file(&self) -> Option<&MeshFile> {
                 match self {
                     $(Self::$format(file) => Some(file),)*
                     _ => None,
@@ -233,7 +233,7 @@ pub struct ExtrusionMesh {
 /// A mesh file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct GmshMesh {
+pub struct MeshFile {
     /// Path, relative to the model file.
     pub file: String,
     /// Factor on all coordinates.
@@ -254,7 +254,7 @@ pub struct GmshMesh {
     pub fold_angle: Option<f64>,
 }
 
-impl GmshMesh {
+impl MeshFile {
     /// The mesh of a file as it is.
     pub fn new(file: &str) -> Self {
         Self {

@@ -33,6 +33,7 @@ mod explicit_models;
 mod family_dynamics;
 mod follower;
 mod foundations;
+mod free_motions;
 mod frequency_response;
 mod friction_in_mechanisms;
 mod gears;

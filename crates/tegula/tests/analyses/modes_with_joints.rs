@@ -2,7 +2,7 @@
 //! joints in the place of supports.
 
 use crate::common::on;
-use crate::multibody::{between, body, gravity, revolute, spherical, spring};
+use crate::multibody::{between, body, gravity, revolute, spherical};
 use tegula::analysis::modal::{self, ModalOutcome};
 use tegula::analysis::{Silent, State, statics};
 use tegula::model::*;
@@ -13,7 +13,7 @@ pub fn modal(modes: u32, prestressed: bool) -> Analysis {
 }
 
 /// Modes of a model; the number of all modes was proved by a Sturm sequence count.
-fn modes(model: &Model) -> (System, ModalOutcome) {
+pub fn modes(model: &Model) -> (System, ModalOutcome) {
     let mesh = mesh::generators::generate(&model.mesh).unwrap();
     let system = compile::build(model, &mesh).unwrap();
     let Analysis::Modal(options) = &model.analysis else { panic!() };
@@ -572,108 +572,4 @@ fn a_model_that_joints_hold_altogether_has_no_modes_and_says_so() {
     let mut notes = crate::common::Notes::default();
     let outcome = modal::run(&system, options.modes as usize, None, &mut notes).unwrap();
     assert!(outcome.modes.is_empty() && notes.events[0].contains("it has no modes"), "{:?}", notes.events);
-}
-
-/// Point masses on bushings that are linked by springs along one axis: each axis vibrates by itself, that of the springs as a chain. A rotation about the
-/// line of the masses moves none of them, and is no rigid mode.
-#[test]
-fn point_masses_on_a_line_of_springs_have_the_modes_of_a_chain() {
-    let masses = [2.0, 1.0, 1.7];
-    let held = [[800.0, 900.0, 1000.0], [10.0, 400.0, 500.0], [310.0, 120.0, 77.0]];
-    for count in [2, 3] {
-        for axis in 0..3 {
-            let at = |i: usize| std::array::from_fn(|j| if j == axis { i as f64 } else { 0.0 });
-            let name = |i: usize| format!("mass {i}");
-            let bodies = (0..count).map(|i| body(&name(i), at(i), masses[i], None)).collect();
-            let mut model = Model::of_bodies(modal(3 * count as u32, false), bodies, Vec::new());
-            let mount = |i: usize| Bushing {
-                name: format!("mount {i}"),
-                between: between("ground", &name(i)),
-                at: at(i),
-                axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-                stiffness: Some(std::array::from_fn(|j| if j < 3 { held[i][j] } else { 0.0 })),
-                stiffness_matrix: None,
-                damping: None,
-                damping_matrix: None,
-                free: [0.0; 6],
-            };
-            model.bushings = (0..count).map(mount).collect();
-            let link =
-                |i: usize| spring(&format!("link {i}"), [&name(i), &name(i + 1)], [at(i), at(i + 1)], 300.0);
-            model.springs = (0..count - 1).map(link).collect();
-            let mut exact = Vec::new();
-            for direction in 0..3 {
-                let chain = nalgebra::DMatrix::from_fn(count, count, |i, j| {
-                    let links = usize::from(i > 0) + usize::from(i + 1 < count);
-                    let k = match (i.abs_diff(j), direction == axis) {
-                        (0, true) => held[i][direction] + 300.0 * links as f64,
-                        (0, false) => held[i][direction],
-                        (1, true) => -300.0,
-                        _ => 0.0,
-                    };
-                    k / (masses[i] * masses[j]).sqrt()
-                });
-                exact.extend(chain.symmetric_eigenvalues().iter().map(|x| x.sqrt()));
-            }
-            exact.sort_by(f64::total_cmp);
-            let (_, found) = modes(&model);
-            assert_eq!(found.modes.len(), exact.len());
-            for (mode, exact) in found.modes.iter().zip(&exact) {
-                assert!((mode.omega / exact - 1.0).abs() < 1e-9, "{count} {axis}: {} {exact}", mode.omega);
-                assert!(!mode.rigid && mode.residual < 1e-12);
-            }
-        }
-    }
-}
-
-/// Three point masses with springs along an axis and nothing across it, free or held at one end: all motions across are free.
-#[test]
-fn chains_of_springs_alone_are_free_across_their_axis() {
-    for held in [false, true] {
-        let at = |i: usize| [i as f64, 0.0, 0.0];
-        let name = |i: usize| format!("mass {i}");
-        let bodies = (1..4).map(|i| body(&name(i), at(i), 1.0, None)).collect();
-        let mut model = Model::of_bodies(modal(9, false), bodies, Vec::new());
-        let link = |i: usize| spring(&format!("link {i}"), [&name(i), &name(i + 1)], [at(i), at(i + 1)], 1e3);
-        model.springs = (1..3).map(link).collect();
-        if held {
-            model.springs.push(spring("wall", ["ground", "mass 1"], [at(0), at(1)], 1e3));
-        }
-        let stretched: Vec<f64> = if held {
-            (1..4).map(|i| 4e3 * (std::f64::consts::PI * (f64::from(i) - 0.5) / 7.0).sin().powi(2)).collect()
-        } else {
-            vec![1e3, 3e3]
-        };
-        let (_, found) = modes(&model);
-        let free = 9 - stretched.len();
-        for (i, mode) in found.modes.iter().enumerate() {
-            let exact = if i < free { 0.0 } else { stretched[i - free].sqrt() };
-            assert!(
-                (mode.omega - exact).abs() <= 1e-9 * exact && mode.rigid == (i < free),
-                "{held} {i}: {mode:?}"
-            );
-        }
-    }
-}
-
-/// A plate oblique to the axes of space on a foundation normal to it alone: three motions in its plane are free, and no other ones.
-#[test]
-fn oblique_plates_on_normal_foundations_move_freely_in_their_planes() {
-    for angle in [0.0_f64, 0.3, 0.9] {
-        let mut model = crate::common::model(crate::common::plate([1.0, 0.4], [6, 3], 0.0), 2.1e11, 0.01);
-        model.conditions.clear();
-        if let MeshSource::Plate(plate) = &mut model.mesh {
-            plate.v_axis = [0.0, angle.cos(), angle.sin()];
-        }
-        model.foundations = vec![Foundation::Area(AreaFoundation {
-            on: "all".into(),
-            stiffness: [0.0; 3],
-            normal: 1e6,
-            retardation_time: 0.0,
-        })];
-        model.analysis = modal(4, false);
-        let (_, found) = modes(&model);
-        let rigid: Vec<bool> = found.modes.iter().map(|mode| mode.rigid).collect();
-        assert_eq!(rigid, [true, true, true, false], "{angle}");
-    }
 }

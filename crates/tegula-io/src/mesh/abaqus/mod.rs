@@ -19,6 +19,7 @@ use std::path::Path;
 
 use tegula::Mesh;
 use tegula::mesh::Labels;
+use tegula::mesh::sets::RENAME_ALL;
 
 use self::cards::Reader;
 use self::parts::Parts;
@@ -96,15 +97,9 @@ fn mesh(reader: &Reader<'_>, parts: &Parts, scale: f64) -> Result<Mesh, MeshErro
     };
     mesh.node_sets = sets(&parts.node_sets, &parts.single_nodes, &nodes);
     mesh.quad_sets = sets(&parts.element_sets, &parts.single_elements, &quads);
-    let whole = |name: &str, set: Option<&Vec<u32>>, all: usize| match set {
-        Some(set) if set.len() < all => Err(reader.whole(
-            format!("the {name} set \"all\" holds {} of {all}", set.len()),
-            "\"all\" stands for the whole mesh in model files: give the set another name",
-        )),
-        _ => Ok(()),
-    };
-    whole("node", mesh.node_sets.get("all"), mesh.positions.len())?;
-    whole("element", mesh.quad_sets.get("all"), mesh.quads.len())?;
+    if let Some((_, message)) = mesh.partial_all() {
+        return Err(reader.whole(message, RENAME_ALL));
+    }
     mesh.labels = Some(labels);
     Ok(mesh)
 }

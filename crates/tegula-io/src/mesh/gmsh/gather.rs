@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use tegula::Mesh;
 use tegula::mesh::Labels;
+use tegula::mesh::sets::RENAME_ALL;
 
 use super::hexahedra;
 use super::raw::{Corners, Raw, RawElement, Refused, Shape};
@@ -82,11 +83,8 @@ pub(super) fn mesh(scanner: &Scanner<'_>, raw: Raw, scale: f64) -> Result<Mesh, 
 
 /// The mesh, unless a group calls a part of it "all".
 fn named_all(scanner: &Scanner<'_>, mesh: Mesh) -> Result<Mesh, MeshError> {
-    if let Some(all) = mesh.quad_sets.get("all").filter(|all| all.len() < mesh.quads.len()) {
-        return Err(scanner.whole(
-            format!("the physical group \"all\" holds {} of {} elements", all.len(), mesh.quads.len()),
-            "\"all\" stands for every element in model files: give the group another name",
-        ));
+    if let Some((_, message)) = mesh.partial_all() {
+        return Err(scanner.whole(message, RENAME_ALL));
     }
     Ok(mesh)
 }

@@ -46,7 +46,7 @@ impl StepEnds {
         Self { stops: Stops::of(system, end), fixed: options.time_step, end, limit, shares, lags }
     }
 
-    /// Shortest distance between two breaks of amplitudes or times that are asked for, or from one to either end of the analysis.
+    /// Shortest distance, of `least` at least, between two breaks of amplitudes or times that are asked for, or from one to either end of the analysis.
     pub fn shortest_gap(&self, least: f64) -> f64 {
         self.stops.shortest_gap(self.end, least)
     }

@@ -41,11 +41,19 @@ pub(super) struct RayleighQuotient {
 impl Problem<'_> {
     /// Sum of the sizes of the terms of `xᵀ K x`.
     fn sum_of_sizes(&self, stiffness: &[f64], x: &[f64]) -> f64 {
-        let sizes: Vec<f64> = x.iter().map(|x| x.abs()).collect();
-        let stiffness: Vec<f64> = stiffness.iter().map(|k| k.abs()).collect();
-        self.product(&stiffness, &sizes)
+        let (pointers, rows) = self.pattern.columns();
+        let of_column = |(j, column): (usize, &[usize])| -> f64 {
+            let of = |k: usize| {
+                let i = rows[k] as usize;
+                // Entries below the diagonal stand for those above it, too.
+                (stiffness[k] * x[i]).abs() * if i == j { 1.0 } else { 2.0 }
+            };
+            x[j].abs() * (column[0]..column[1]).map(of).sum::<f64>()
+        };
+        pointers.windows(2).enumerate().map(of_column).sum()
     }
 
+    /// Product `xᵀ K x`.
     fn product(&self, stiffness: &[f64], x: &[f64]) -> f64 {
         let mut product = vec![0.0; x.len()];
         self.pattern.add_product(stiffness, x, &mut product);

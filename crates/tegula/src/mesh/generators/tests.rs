@@ -6,7 +6,7 @@ use super::*;
 use crate::Vec3;
 use crate::mesh::facet::Facet;
 use crate::mesh::quality::check;
-use crate::model::{ExtrusionMesh, GmshMesh};
+use crate::model::{ExtrusionMesh, MeshFile};
 
 fn plate_source(grid: Grid) -> PlateMesh {
     PlateMesh {
@@ -340,7 +340,7 @@ fn wrong_polylines_are_refused() {
 
 #[test]
 fn gmsh_files_are_read_elsewhere() {
-    let source = MeshSource::Gmsh(GmshMesh::new("part.msh"));
+    let source = MeshSource::Gmsh(MeshFile::new("part.msh"));
     assert_eq!(keys(&source), ["mesh.file"]);
 }
 
