@@ -212,7 +212,7 @@ fn nodes_and_groups_that_do_not_fit() {
     );
     assert_eq!(
         error(&square(&["2 3 2 3 1 10 20 30 50"])),
-        "m.msh: the physical group \"all\" holds 1 of 2 elements\n  help: \"all\" stands for every element in model files: give the group another name"
+        "m.msh: the element set \"all\" holds 1 of 2 elements\n  help: \"all\" stands for the whole mesh in model files: give the set another name"
     );
     assert_eq!(
         error(&square(&[]).replace("50 7 7 7", "50 7 nan 7")),
