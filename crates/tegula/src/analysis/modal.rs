@@ -29,7 +29,7 @@ use crate::system::System;
 use crate::{Error, Result};
 pub(super) use convergence::{Target, ritz_pairs};
 use problem::Problem;
-pub(super) use problem::{go_on, has_springs};
+pub(super) use problem::{go_on, has_springs, is_preloaded};
 pub use reduced_model::ReducedModel;
 use reduced_model::Reduction;
 use rigid::RigidModes;

@@ -231,7 +231,11 @@ fn ability(model: &Model, s: &Section, key: &str, name: &str, material: &Materia
             format!(
                 "the energy-momentum scheme conserves energy, which the plastic material \"{name}\" dissipates"
             ),
-            "use `newmark` or `hht`",
+            if model.bodies.is_empty() && model.joints.is_empty() {
+                "use `newmark`, `hht` or `generalized-alpha`"
+            } else {
+                "use `generalized-alpha`"
+            },
         );
     }
 }

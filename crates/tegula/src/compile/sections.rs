@@ -104,7 +104,8 @@ impl Section {
             Some(m) => SectionInertia::homogeneous(m.density(), thickness),
             None => SectionInertia { mass: 0.0, rotary: 0.0, coupling: 0.0 },
         };
-        let resultant = if let Some(Material::Isotropic(m)) = single {
+        let alike = self.shear_correction.is_none_or(|[x, y]| x == y);
+        let resultant = if let (Some(Material::Isotropic(m)), true) = (single, alike) {
             let factors = self.shear_correction.unwrap_or([5.0 / 6.0; 2]);
             Resultant::Isotropic(SectionStiffness::homogeneous(m, thickness, factors))
         } else if plies.len() == layers.len() {
@@ -130,7 +131,7 @@ impl Section {
         Some(CompiledSection {
             thickness,
             inertia,
-            isotropic: layers.iter().all(|l| l.material.is_isotropic()),
+            isotropic: alike && layers.iter().all(|l| l.material.is_isotropic()),
             layers,
             laws,
             direction: described.map_or(Vec3::x(), |layers| Vec3::from(layers.direction())),
@@ -189,7 +190,7 @@ fn useless_directions(
         ))
     };
     let mut out = Vec::new();
-    if !compiled.isotropic
+    if compiled.is_directed()
         && let Some(message) = useless(compiled.direction, &|_| true)
     {
         let (key, help) = if let Some((key, _)) = model.sections[section].layers() {

@@ -22,12 +22,11 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
     }
 }
 
-/// Force law of a spring.
+/// Force law of a spring whose points have a distance, or whose second point has one from the axis, in the reference configuration.
 ///
 /// # Errors
 /// The formula is invalid: description of the mistake, and remedy.
-fn law(spring: &SpringDamper) -> Result<SpringLaw, (String, String)> {
-    let distance = distance(spring);
+fn law(spring: &SpringDamper, distance: f64) -> Result<SpringLaw, (String, String)> {
     let length = spring.length.unwrap_or(distance);
     match &spring.force {
         Some(text) => SpringLaw::formula(&named(&spring.name), text, [length, distance]),
@@ -96,7 +95,7 @@ fn spring_values(spring: &SpringDamper, key: &str, c: &mut Checker) {
     acts((&what, key, "force"), ([spring.stiffness, spring.damping], spring.force.as_deref()), c);
     // Within its clearance a spring needs no direction.
     let mut is_free = false;
-    match law(spring) {
+    match law(spring, distance(spring)) {
         Ok(law) => {
             let first = law.force([0.0; 2], 0.0, 0.0);
             is_free = spring.force.is_some() && [first.value, first.by_position] == [0.0; 2];
@@ -148,15 +147,20 @@ pub(super) fn springs(
             continue;
         };
         let points = data.points.map(Vec3::from);
-        // Invalid formulas are mistakes of the keys.
-        let Ok(law) = law(data) else { continue };
+        // Invalid formulas are mistakes of the keys. The length is that of the nodal vectors, so that a spring that is not stressed in the reference
+        // configuration has no force there, not even by round-off.
+        let mut add = |spring: Spring| {
+            let length = spring.length(|v| Vec3::from(coordinates.reference[v]));
+            out.extend(law(data, length).ok().map(|law| spring.with_law(law)));
+        };
+        let unstressed = SpringLaw::linear([0.0; 2], 0.0);
         let Some(axis) = data.across else {
-            out.push(Spring::new([&first.point(&points[0]), &second.point(&points[1])], law));
+            add(Spring::new([&first.point(&points[0]), &second.point(&points[1])], unstressed));
             continue;
         };
         let sides = [first, second];
         match Across::new(&sides, [&points[0], &points[1]], &axis.into()) {
-            Some(across) => out.push(Spring::across(across, sides.contains(&End::Ground), law)),
+            Some(across) => add(Spring::across(across, sides.contains(&End::Ground), unstressed)),
             None => c.add(
                 format!("{key}.across"),
                 format!("the first side of the spring \"{}\" has no axes, or its second one is a point inside an element", data.name),

@@ -87,6 +87,16 @@ impl Spring {
         }
     }
 
+    /// The spring with another force law.
+    pub fn with_law(self, law: SpringLaw) -> Self {
+        Self { law, ..self }
+    }
+
+    /// Distance of the points, or of the second one from the axis, for given nodal vectors.
+    pub fn length(&self, value: impl Fn(usize) -> Vec3) -> f64 {
+        self.between(value).norm()
+    }
+
     /// Change of the vector between the points, or across the axis, where nodal vectors have these values and changes.
     fn change(&self, value: impl Fn(usize) -> Vec3, change: impl Fn(usize) -> Vec3) -> Vec3 {
         match &self.measure {

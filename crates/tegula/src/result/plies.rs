@@ -51,7 +51,8 @@ pub struct PlyFailure {
 }
 
 /// Plies of all shells at a state, in the order of [`System::shells`], from the bottom to the top; empty for a shell
-/// whose stresses cannot be evaluated there.
+/// whose stresses cannot be evaluated there. Plies count their axes from the section's direction, see
+/// [`layer_axis`](crate::section::compiled::CompiledSection::layer_axis).
 pub fn recover_plies(system: &System, state: &State) -> Vec<Vec<PlyResult>> {
     of_shells(&Snapshot::new(system, state))
 }
@@ -85,7 +86,7 @@ fn plies(snapshot: &Snapshot, shell: &Shell, last: &mut Option<Arc<Shape>>) -> O
                     Some((stress, strain)) => (stress, strain.frame),
                     None => inside.stress_of_nearest_point(point, z, points, &integration_points)?,
                 };
-                let turn = section.layer_turn(layer, &frame).ok()?;
+                let turn = section.layer_axis(layer, &frame);
                 let plane = turned_stress(Vector3::new(stress[0], stress[1], stress[2]), -turn);
                 let shear = match &section.resultant {
                     Resultant::Laminate(laminate) if !element.is_solid() => {

@@ -157,6 +157,9 @@ fn surface_stresses(
         return;
     }
     let at_integration_points = inside.point_stresses();
+    // The thickness strain of elements with stress resultants is one for the whole section: what it leaves in single layers, E (ε_zz − α ΔT),
+    // is no stress of plane stress.
+    let plane_stress = !element.is_solid() && !section.has_rubber();
     let mean = |layer: &Layer, z: f64| -> Option<Vector6<f64>> {
         let mut sum = Vector6::zeros();
         for point in 0..points {
@@ -167,7 +170,8 @@ fn surface_stresses(
             let turn = Turn::between(&frame, centre);
             let [xx, yy, xy] = turn.tensor([stress[0], stress[1], stress[2]]);
             let [xz, yz] = turn.vector([stress[4], stress[5]]);
-            sum += Vector6::new(xx, yy, xy, stress[3], xz, yz) / points as f64;
+            let zz = if plane_stress { 0.0 } else { stress[3] };
+            sum += Vector6::new(xx, yy, xy, zz, xz, yz) / points as f64;
         }
         Some(sum)
     };

@@ -72,7 +72,7 @@ pub struct CompiledSection {
     pub shear_factors: [f64; 2],
     /// Coefficient α of the stabilisation factor `h²/(h² + α l²)` of transverse shear.
     pub shear_stabilization: f64,
-    /// True if every layer is isotropic in the surface.
+    /// True if every layer is isotropic in the surface, and the shear correction factors are the same.
     pub isotropic: bool,
 }
 
@@ -164,6 +164,19 @@ impl CompiledSection {
         Ok(Vector6::from_column_slice(e.as_slice()))
     }
 
+    /// True if stiffness or strengths of a layer depend on the section's direction, which then must not be normal to the surface.
+    pub fn is_directed(&self) -> bool {
+        let differ = |l: &Layer| l.material.strength().is_some_and(|s| (s.xt, s.xc) != (s.yt, s.yc));
+        !self.isotropic || self.layers.iter().any(differ)
+    }
+
+    /// Angle from the x axis of a cross-section frame to the first axis of a layer, in which its stresses are given and its strengths hold. Unlike
+    /// that of [`Self::layer_turn`] it counts from the section's direction also where the stiffness does not depend on it. Where that is normal to
+    /// the surface, which only sections may have that are not [directed](Self::is_directed), it counts from the x axis of the frame.
+    pub fn layer_axis(&self, layer: &Layer, frame: &Mat3) -> f64 {
+        Self::angle(frame, &self.direction).unwrap_or(0.0) + layer.angle
+    }
+
     pub(crate) fn turn(&self, frame: &Mat3) -> Result<f64, String> {
         if self.isotropic { Ok(0.0) } else { Self::angle(frame, &self.direction) }
     }
@@ -176,18 +189,24 @@ impl CompiledSection {
         let zero = &mut zero[..law.history()];
         let committed = zero.to_vec();
         let mut c = law.respond(&Vector6::zeros(), &committed, zero).map_or(Matrix6::zeros(), |r| r.tangent);
+        let turned = |c: Matrix6<f64>, angle: f64| {
+            let t = turn_3d(angle);
+            t.transpose() * c * t
+        };
+        let [x, y] = self.shear_factors;
+        // The factors belong to the axes of the section, from which the layer is rotated by its angle.
+        let first = if x == y { turn } else { layer.angle };
         if !layer.material.is_isotropic() {
-            let t = turn_3d(turn);
-            c = t.transpose() * c * t;
+            c = turned(c, first);
         }
-        for (i, factor) in self.shear_factors.into_iter().enumerate() {
+        for (i, factor) in [x, y].into_iter().enumerate() {
             let root = factor.sqrt();
             for j in 0..6 {
                 c[(4 + i, j)] *= root;
                 c[(j, 4 + i)] *= root;
             }
         }
-        c
+        if x == y { c } else { turned(c, turn - layer.angle) }
     }
 
     /// Prescribed strain of a layer at the height `z`; a prestress σ counts as the strain −C⁻¹σ.

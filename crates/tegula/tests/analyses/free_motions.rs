@@ -1,8 +1,10 @@
 //! Free motions beside slow ones: what springs, bushings and foundations do not resist is rigid, and nothing else is.
 
 use crate::bushings::bushing;
+use crate::common::Random;
 use crate::modes_with_joints::{modal, modes};
 use crate::multibody::{between, body, spring};
+use nalgebra::{DMatrix, DVector};
 use tegula::model::*;
 
 /// A bushing that is stiff but against one rotation is a hinge with a soft spring: its body has a slow mode and no rigid one.
@@ -150,4 +152,64 @@ fn oblique_plates_on_normal_foundations_move_freely_in_their_planes() {
         let rigid: Vec<bool> = found.modes.iter().map(|mode| mode.rigid).collect();
         assert_eq!(rigid, [true, true, true, false], "{angle}");
     }
+}
+
+/// Two bodies on springs that are too few to hold them, at random places: frequencies against `Σ k b bᵀ φ = ω² M φ` with the change b of each
+/// spring's length. Springs without stress in the reference configuration have no geometric stiffness, not even by round-off.
+#[test]
+fn bodies_on_few_springs_have_the_frequencies_of_their_elongations() {
+    let mut random = Random::new(11);
+    let mut free = 0;
+    for _ in 0..40 {
+        let at = [0, 1].map(|_| random.vector() * 3.0);
+        let masses = [0, 1].map(|_| 1.0 + 4.0 * random.next().abs());
+        let inertias = masses.map(|m| [0.1 * m, 0.11 * m, 0.12 * m]);
+        let bodies = vec![
+            body("b0", at[0].into(), masses[0], Some(inertias[0])),
+            body("b1", at[1].into(), masses[1], Some(inertias[1])),
+        ];
+        let mut model = Model::of_bodies(modal(12, false), bodies, Vec::new());
+        let mut stiffness = DMatrix::<f64>::zeros(12, 12);
+        for number in 0..8 {
+            let sides = [[0, 1], [0, 2], [1, 2]][number % 3];
+            let places = sides.map(|side| match side {
+                2 => random.vector() * 4.0,
+                body => at[body] + random.vector(),
+            });
+            let k = 100.0 * (1.0 + random.next().abs());
+            let names = sides.map(|side| ["b0", "b1", "ground"][side]);
+            model.springs.push(spring(&format!("s{number}"), names, places.map(Into::into), k));
+            let along = (places[1] - places[0]).normalize();
+            let mut change = DVector::<f64>::zeros(12);
+            for (i, sign) in [(0, -1.0), (1, 1.0)] {
+                if sides[i] == 2 {
+                    continue;
+                }
+                let arm = (places[i] - at[sides[i]]).cross(&along);
+                for j in 0..3 {
+                    change[6 * sides[i] + j] += sign * along[j];
+                    change[6 * sides[i] + 3 + j] += sign * arm[j];
+                }
+            }
+            stiffness += k * &change * change.transpose();
+        }
+        let root = |i: usize| match (i / 6, i % 6) {
+            (body, 0..3) => masses[body].sqrt(),
+            (body, j) => inertias[body][j - 3].sqrt(),
+        };
+        let scaled = DMatrix::from_fn(12, 12, |i, j| stiffness[(i, j)] / (root(i) * root(j)));
+        let mut exact: Vec<f64> = scaled.symmetric_eigenvalues().iter().copied().collect();
+        exact.sort_by(f64::total_cmp);
+        let largest = exact[11];
+        let found = modes(&model).1;
+        assert_eq!(found.modes.len(), 12);
+        for (mode, exact) in found.modes.iter().zip(exact) {
+            let square = mode.omega * mode.omega;
+            assert!((square - exact).abs() < 1e-9 * largest, "{square} {exact}");
+            assert_eq!(mode.rigid, exact < 1e-9 * largest, "{square} {exact}");
+            free += usize::from(mode.rigid);
+        }
+    }
+    // Eight springs leave four motions of twelve.
+    assert_eq!(free, 160);
 }

@@ -438,3 +438,42 @@ fn the_response_is_that_of_a_long_transient_analysis() {
     let found = Complex::new(u[vector as usize][2], -v);
     assert!(error(found, z) < 5e-3, "{found} {z}");
 }
+
+/// A door with a spring in its hinge has one motion, so that one mode is its exact response: what the mode leaves of the load is carried by the hinge.
+#[test]
+fn the_response_of_one_degree_of_freedom_is_exact_with_one_mode() {
+    for number in 0..12 {
+        let angle = 0.5 * f64::from(number) + 0.1;
+        let arm = 1.0 + 0.3 * angle.sin();
+        let (mass, k) = (8.0, 7e4);
+        let at = [arm * angle.cos(), arm * angle.sin(), 0.3];
+        let bodies = vec![body("door", at, mass, Some([1.0, 1.2, 1.4]))];
+        let joints = vec![revolute("hinge", "ground", "door", [0.0; 3], [0.0, 0.0, 1.0])];
+        let push = [0.3 - 0.01 * angle, 0.2 * angle, 5.0];
+        let analysis = ModalAnalysis {
+            inputs: vec![input("push", vec![force("door", push)])],
+            frequency_response: range(1.0, 50.0, 20),
+            ..ModalAnalysis::new(1)
+        };
+        let mut model = Model::of_bodies(Analysis::Modal(analysis), bodies, joints);
+        model.torsion_springs = vec![TorsionSpring {
+            name: "spring".into(),
+            between: between("ground", "door"),
+            axis: [0.0, 0.0, 1.0],
+            stiffness: k,
+            damping: 0.0,
+            moment: None,
+            free_angle: 0.0,
+        }];
+        let (system, _, response) = respond(&model).unwrap();
+        let moment = at[0] * push[1] - at[1] * push[0];
+        let inertia = 1.4 + mass * arm * arm;
+        for frequency in [1.0, 7.0, 50.0_f64] {
+            let turn = moment / (k - inertia * (TAU * frequency).powi(2));
+            let [x, y, _] = displacement(&response.reduced, system.coordinates.bodies[0].centre, frequency);
+            let exact = [-at[1] * turn, at[0] * turn];
+            let difference = (x - exact[0]).norm() + (y - exact[1]).norm();
+            assert!(difference < 1e-9 * (arm * turn).abs(), "{number} {frequency}: {x} {y} for {exact:?}");
+        }
+    }
+}

@@ -4,6 +4,8 @@ use crate::common;
 use crate::common::{plate, vector_load};
 use nalgebra::Vector3;
 use tegula::analysis::{Silent, statics};
+use tegula::compile::build;
+use tegula::mesh::generators::generate;
 use tegula::model::*;
 use tegula::result::{recover, recover_plies};
 use tegula::section::failure::Strengths;
@@ -241,6 +243,101 @@ fn plies_of_unlike_contraction_do_not_hold_each_other() {
             let core = plies[1].stress[1].plane;
             let off = (core[0] - exact[0]).hypot(core[1] - exact[1]);
             assert!(off < 2e-3 * exact.norm(), "{element:?}: {core:?} for {exact:?}");
+        }
+    }
+}
+
+/// Strengths of a material may depend on the direction where its stiffness does not: axes count from the direction of the layup, however the mesh lies.
+#[test]
+fn plies_of_isotropic_materials_have_the_axes_of_the_layup() {
+    let strength = Strengths::new(100.0, 100.0, 20.0, 20.0, 15.0);
+    let sheet = Material::Isotropic(Isotropic {
+        young: 1000.0,
+        poisson: 0.3,
+        density: 1.0,
+        expansion: 0.0,
+        strength: Some(strength),
+    });
+    for element in [ElementKind::Ems, ElementKind::Mitc4, ElementKind::Cm, ElementKind::SolidShell] {
+        // The pull of 10 along x, in the axes of plies with their 0° along x, y and 30° from x.
+        for (direction, sigma) in [
+            ([1.0, 0.0, 0.0], [10.0, 0.0, 0.0]),
+            ([0.0, 1.0, 0.0], [0.0, 10.0, 0.0]),
+            ([0.75_f64.sqrt(), 0.5, 0.0], [7.5, 2.5, -5.0 * 0.75_f64.sqrt()]),
+        ] {
+            let mut m = pulled(element, "[0]", direction);
+            m.materials.insert("carbon".into(), sheet.clone());
+            m.loads = vec![Load::Edge(vector_load("u_max", [0.1, 0.0, 0.0]))];
+            let (_, system, outcome) = common::solve(&m);
+            for plies in recover_plies(&system, &outcome.state) {
+                let exact = Vector3::from(sigma);
+                let failure = plies[0].failure.unwrap();
+                for at in &plies[0].stress {
+                    let error = (Vector3::from(at.plane) - exact).norm();
+                    assert!(error < 1e-8, "{element:?} {direction:?}: {:?} for {sigma:?}", at.plane);
+                }
+                let reserve = strength.tsai_wu_reserve(&exact);
+                assert!((failure.reserve / reserve - 1.0).abs() < 1e-8, "{} for {reserve}", failure.reserve);
+            }
+        }
+    }
+    // A direction across the sheet is an error where strengths depend on it.
+    let mut m = pulled(ElementKind::Ems, "[0]", [0.0, 0.0, 1.0]);
+    m.materials.insert("carbon".into(), sheet);
+    let mesh = generate(&m.mesh).unwrap();
+    let refused = build(&m, &mesh).err().unwrap().to_string();
+    assert!(refused.contains("normal to the surface"), "{refused}");
+}
+
+/// Free heated layers of different expansion: σ = E/(1 − ν) (ε̄ − α ΔT) in both directions, which is their von Mises stress.
+#[test]
+fn von_mises_stress_of_heated_layers_is_that_of_plane_stress() {
+    let layer = |expansion: f64| {
+        Material::Isotropic(Isotropic { young: 1e5, poisson: 0.3, density: 1.0, expansion, strength: None })
+    };
+    let hottest = 1e5 / 0.7 * (5e-3 / 3.0 - 3e-3_f64).abs();
+    for element in [ElementKind::Ems, ElementKind::Mitc4, ElementKind::Cm, ElementKind::SolidShell] {
+        let mut m = pulled(element, "[0]", [1.0, 0.0, 0.0]);
+        m.materials.insert("cold".into(), layer(1e-5));
+        m.materials.insert("hot".into(), layer(3e-5));
+        let ply =
+            |material: &str| LayupPly { material: Some(material.into()), thickness: Some(0.1), angle: 0.0 };
+        m.sections[0].layup =
+            Some(Layup { plies: vec![ply("cold"), ply("hot"), ply("cold")], ..Layup::default() });
+        m.loads.clear();
+        m.prescribed_strains = vec![PrescribedStrain::Thermal(ThermalStrain {
+            on: "all".into(),
+            temperature: 100.0,
+            gradient: 0.0,
+            amplitude: None,
+        })];
+        let (_, system, outcome) = common::solve(&m);
+        for r in recover(&system, &outcome.state) {
+            assert!((r.von_mises / hottest - 1.0).abs() < 1e-6, "{element:?}: {} for {hottest}", r.von_mises);
+        }
+    }
+}
+
+/// Shear correction factors count in the axes of the layup: a cantilever along x that is soft in shear along the 0° direction only. Deflection of
+/// Timoshenko's beam, P (L³/3EI + L/kGA).
+#[test]
+fn shear_correction_factors_have_the_axes_of_the_layup() {
+    let (length, h, young, force) = (4.0_f64, 0.1, 1e3, 1e-3);
+    let sheet = Material::Isotropic(Isotropic::new(young, 0.0, 1.0));
+    let (shear, bending) = (0.5 * young * h, young * h.powi(3) / 12.0);
+    for element in [ElementKind::Ems, ElementKind::Mitc4, ElementKind::Cm, ElementKind::SolidShell] {
+        for (direction, factor) in [([1.0, 0.0, 0.0], 1e-3), ([0.0, 1.0, 0.0], 1.0)] {
+            let mut m = pulled(element, "[0]", direction);
+            m.mesh = plate([length, 1.0], [16, 2], 0.0);
+            m.materials.insert("carbon".into(), sheet.clone());
+            m.sections[0].layup.as_mut().unwrap().ply_thickness = Some(h);
+            m.sections[0].shear_correction = Some([1e-3, 1.0]);
+            m.conditions = vec![Condition::Clamp(common::on("u_min"))];
+            m.loads = vec![Load::Edge(vector_load("u_max", [0.0, 0.0, force]))];
+            let (mesh, system, outcome) = common::solve(&m);
+            let exact = force * (length.powi(3) / (3.0 * bending) + length / (factor * shear));
+            let found = common::displacement(&mesh, &system, &outcome.state.u, "u_max_v_min").z;
+            assert!((found / exact - 1.0).abs() < 2e-3, "{element:?} {direction:?}: {found} for {exact}");
         }
     }
 }

@@ -181,6 +181,10 @@ fn error(
             help: "Give a `damping_ratio`, or damping of the materials or by dampers.".into(),
         });
     }
+    if reduction.is_complete() {
+        // What is left of the loads is carried by joints.
+        return Ok(Worst { frequency, error: 0.0, directions: [Vec::new(), Vec::new()] });
+    }
     let unbalanced = reduction.unbalanced(omega, input, &q);
     let directions = [0, 1].map(|i| reduction.inverse(&unbalanced[i]));
     let square: f64 =

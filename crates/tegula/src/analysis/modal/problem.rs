@@ -319,7 +319,7 @@ pub(in crate::analysis) fn has_springs(system: &System) -> bool {
 }
 
 /// Whether springs have forces in a state, which act on its stiffness.
-fn is_preloaded(system: &System, state: &State) -> bool {
+pub(in crate::analysis) fn is_preloaded(system: &System, state: &State) -> bool {
     let factors: Vec<f64> = system.factors(state.time).collect();
     let (point, springs) =
         (state.point(system), |group: &dyn ElementGroup| OF_SPRINGS.contains(&group.name()));

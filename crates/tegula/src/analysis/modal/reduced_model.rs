@@ -148,6 +148,9 @@ impl<'p, 'a> Reduction<'p, 'a> {
 
     /// Static response to the part of a load that the basis leaves, unless it is round-off.
     fn add_residual_vector(&mut self, input: usize) {
+        if self.is_complete() {
+            return;
+        }
         let mut rest = self.forces[input].clone();
         let mut energy = 0.0;
         for vector in &self.basis {
@@ -174,6 +177,13 @@ impl<'p, 'a> Reduction<'p, 'a> {
         self.problem.groups.iter().for_each(|group| group.project(&mut out));
         self.problem.applications += 1;
         out
+    }
+
+    /// Whether the basis spans all motions that supports and joints leave.
+    pub fn is_complete(&self) -> bool {
+        let groups = &self.problem.groups;
+        let all: usize = (0..groups.len()).map(|group| self.problem.modes_of(group)).sum();
+        self.basis.len() >= all + groups.iter().map(|group| group.rigid.len()).sum::<usize>()
     }
 
     /// Adds what a vector has beyond the basis; false where that is nothing. [`diagonalize`](Self::diagonalize) has to follow.

@@ -1,6 +1,7 @@
 //! Failure of a load step: limit points, bifurcation points and other reasons why no equilibrium is found, and remedies.
 
 use super::{State, enhanced};
+use crate::analysis::modal::is_preloaded;
 use crate::analysis::newton::{Cause, Diverged, SoftestMode};
 use crate::analysis::path;
 use crate::element::Nodal;
@@ -95,7 +96,9 @@ impl Failure {
 
     /// Failure of a structure whose tangent has negative pivots without any stress, from round-off.
     pub fn of_rounding(system: &System, negative_pivots: usize) -> Self {
-        let cause = if system.joints.is_empty() {
+        let cause = if is_preloaded(system, &State::first(system)) {
+            "which springs with forces from the start (`length`, `force`, `free`) can cause: they make the reference configuration unstable"
+        } else if system.joints.is_empty() {
             "an effect of round-off: the matrix is ill-conditioned"
         } else {
             "an effect of round-off: joints leave a motion free that no stiffness resists (a mechanism), or the matrix is ill-conditioned"
