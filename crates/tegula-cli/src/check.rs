@@ -19,7 +19,7 @@ use crate::report::{self, Failure, warn};
 /// Arguments of `tegula check`.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Model file (TOML), or input file of Abaqus or CalculiX (.inp); `-` reads a model file from standard input
+    /// Model file (TOML), or input file of Abaqus, CalculiX (.inp) or Nastran (.bdf, .nas); `-` reads a model file from standard input
     model: PathBuf,
     /// Print the findings, or what is wrong, as JSON on standard output
     #[arg(long)]

@@ -11,7 +11,7 @@ use crate::report::{Failure, warn};
 /// Arguments of `tegula convert`.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Input file of Abaqus or CalculiX (.inp); the model file reads the mesh from it
+    /// Input file of Abaqus, CalculiX (.inp) or Nastran (.bdf, .nas); the model file reads the mesh from it
     input: PathBuf,
     /// Model file to write (TOML)
     model: PathBuf,

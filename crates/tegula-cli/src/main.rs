@@ -53,7 +53,7 @@ enum Command {
     Check(check::Arguments),
     /// Write a commented model file to begin with
     New(new::Arguments),
-    /// Write the model file that corresponds to an input file of Abaqus or CalculiX
+    /// Write the model file that corresponds to an input file of Abaqus, CalculiX or Nastran
     Convert(convert::Arguments),
     /// Print the JSON Schema of the model file, for editors
     Schema,

@@ -14,7 +14,7 @@ use crate::{interrupt, threads};
 /// Arguments of `tegula run`.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Model file (TOML), or input file of Abaqus or CalculiX (.inp); `-` reads a model file from standard input
+    /// Model file (TOML), or input file of Abaqus, CalculiX (.inp) or Nastran (.bdf, .nas); `-` reads a model file from standard input
     model: PathBuf,
     /// Result folder [default: results/<name of the model file>]
     #[arg(short, long, value_name = "DIR")]

@@ -2,23 +2,11 @@
 
 use std::collections::HashMap;
 
-use super::document::{Document, number, quoted, vector};
 use super::targets;
+use crate::conversion::loads::Load;
 use crate::mesh::MeshError;
 use crate::mesh::abaqus::cards::{Card, DataLine, Reader, shown};
-use crate::mesh::abaqus::parts::Parts;
-
-/// A load of the model file.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Load {
-    /// Card that it comes from.
-    card: &'static str,
-    kind: &'static str,
-    on: Option<String>,
-    /// Components of the value; a pressure has one.
-    value: Vec<f64>,
-    line: usize,
-}
+use crate::mesh::numbered::Parts;
 
 /// Loads of the cards of one step, beside those of the step before, which continue.
 ///
@@ -35,7 +23,7 @@ pub(super) fn loads(
     let mut pressures = HashMap::new();
     let mut kept = before.to_vec();
     for card in cards {
-        let of = if card.keyword == "CLOAD" { "CLOAD" } else { "DLOAD" };
+        let of = if card.keyword == "CLOAD" { "*CLOAD" } else { "*DLOAD" };
         reader.only(card, &["OP"])?;
         match card.parameter("OP").map(str::to_uppercase).as_deref() {
             None | Some("MOD") => {}
@@ -50,7 +38,7 @@ pub(super) fn loads(
         }
         for data in &card.data {
             match of {
-                "CLOAD" => force(reader, parts, *data, &mut forces, &mut new)?,
+                "*CLOAD" => force(reader, parts, *data, &mut forces, &mut new)?,
                 _ => distributed(reader, parts, *data, &mut pressures, &mut new)?,
             }
         }
@@ -58,7 +46,7 @@ pub(super) fn loads(
     if let Some(load) = new.iter().find(|load| kept.iter().any(|earlier| earlier.card == load.card)) {
         return Err(reader.error(
             load.line,
-            format!("the step adds to the loads by *{} of the step before", load.card),
+            format!("the step adds to the loads by {} of the step before", load.card),
             "write OP=NEW on the card and list all its loads",
         ));
     }
@@ -104,7 +92,7 @@ fn force(
     let there = out.iter().position(|load| load.kind == kind && load.on.as_deref() == Some(&target.name));
     let at = there.unwrap_or_else(|| {
         let (on, line) = (Some(target.name.clone()), data.line);
-        out.push(Load { card: "CLOAD", kind, on, value: vec![0.0; 3], line });
+        out.push(Load { card: "*CLOAD", kind, on, value: vec![0.0; 3], line });
         out.len() - 1
     });
     if let Some(component) = out.get_mut(at).and_then(|load| load.value.get_mut(axis)) {
@@ -138,7 +126,7 @@ fn distributed(
             }
             // P acts along the normal of the shell, `pressure` against the director.
             let value = vec![-reader.number(data.line, field(2))?];
-            out.push(Load { card: "DLOAD", kind: "pressure", on: Some(on), value, line: data.line });
+            out.push(Load { card: "*DLOAD", kind: "pressure", on: Some(on), value, line: data.line });
         }
         "GRAV" if fields.len() == 6 => {
             if !field(0).is_empty() {
@@ -165,7 +153,7 @@ fn distributed(
                 ));
             }
             let value = [x, y, z].map(|component| size * (component / length)).to_vec();
-            out.push(Load { card: "DLOAD", kind: "gravity", on: None, value, line: data.line });
+            out.push(Load { card: "*DLOAD", kind: "gravity", on: None, value, line: data.line });
         }
         "P" | "GRAV" => {
             return Err(reader.error(
@@ -189,19 +177,4 @@ fn distributed(
         }
     }
     Ok(())
-}
-
-impl Load {
-    /// Writes the load as an entry of the list `head`, such as `[[loads]]`.
-    pub fn write(&self, out: &mut Document, head: &str) {
-        out.table(self.line, head, self.card);
-        out.key(self.line, "type", &quoted(self.kind));
-        if let Some(on) = &self.on {
-            out.key(self.line, "on", &quoted(on));
-        }
-        match self.value[..] {
-            [value] => out.key(self.line, "value", &number(value)),
-            _ => out.key(self.line, "value", &vector(&self.value)),
-        }
-    }
 }

@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::document::{Document, bare, number, vector};
+use crate::conversion::document::Document;
+use crate::conversion::materials::{Elastic, Material};
 use crate::mesh::MeshError;
 use crate::mesh::abaqus::cards::{Card, Reader, shown};
 
@@ -11,21 +12,6 @@ use crate::mesh::abaqus::cards::{Card, Reader, shown};
 pub(super) struct Materials {
     list: Vec<Material>,
     index: HashMap<String, usize>,
-}
-
-#[derive(Debug)]
-struct Material {
-    name: String,
-    line: usize,
-    elastic: Option<(usize, Elastic)>,
-    density: Option<(usize, f64)>,
-    expansion: Option<(usize, Vec<f64>)>,
-}
-
-#[derive(Debug)]
-enum Elastic {
-    Isotropic([f64; 2]),
-    Orthotropic([f64; 9]),
 }
 
 impl Materials {
@@ -56,7 +42,7 @@ impl Materials {
             }
         }
         for material in &materials.list {
-            material.check(reader)?;
+            check(material, reader)?;
         }
         Ok(materials)
     }
@@ -86,6 +72,7 @@ impl Materials {
         }
         self.list.push(Material {
             name: name.to_owned(),
+            card: "*MATERIAL",
             line: card.line,
             elastic: None,
             density: None,
@@ -105,56 +92,22 @@ impl Materials {
     }
 }
 
-impl Material {
-    fn check(&self, reader: &Reader<'_>) -> Result<(), MeshError> {
-        let Some((_, elastic)) = &self.elastic else {
-            return Err(reader.error(
-                self.line,
-                format!("the material {} has no *ELASTIC", shown(&self.name)),
-                "only linear elastic materials are read; give others in a model file",
-            ));
-        };
-        match (elastic, &self.expansion) {
-            (Elastic::Isotropic(_), Some((line, values))) if values.len() > 1 => Err(reader.error(
-                *line,
-                "an isotropic material has one thermal expansion",
-                "write *EXPANSION without TYPE=ORTHO and with one number",
-            )),
-            _ => Ok(()),
-        }
-    }
-
-    fn write(&self, out: &mut Document) {
-        out.table(self.line, &format!("[materials.{}]", bare(&self.name)), "MATERIAL");
-        let mut directions = 1;
-        match &self.elastic {
-            Some((line, Elastic::Isotropic([young, poisson]))) => {
-                out.key(*line, "type", "\"isotropic\"");
-                out.key(*line, "young", &number(*young));
-                out.key(*line, "poisson", &number(*poisson));
-            }
-            Some((line, Elastic::Orthotropic(constants))) => {
-                directions = 3;
-                out.key(*line, "type", "\"orthotropic\"");
-                for (name, three) in ["young", "poisson", "shear"].into_iter().zip(constants.chunks(3)) {
-                    out.key(*line, name, &vector(three));
-                }
-            }
-            None => {}
-        }
-        if let Some((line, density)) = self.density {
-            out.key(line, "density", &number(density));
-        }
-        match &self.expansion {
-            Some((line, values)) if directions == 1 => {
-                out.key(*line, "expansion", &number(values.first().copied().unwrap_or(0.0)));
-            }
-            Some((line, values)) => {
-                let along = |i: usize| values.get(i).or(values.first()).copied().unwrap_or(0.0);
-                out.key(*line, "expansion", &vector(&[along(0), along(1), along(2)]));
-            }
-            None => {}
-        }
+/// Refuses a material without *ELASTIC, and expansions without directions.
+fn check(material: &Material, reader: &Reader<'_>) -> Result<(), MeshError> {
+    let Some((_, elastic)) = &material.elastic else {
+        return Err(reader.error(
+            material.line,
+            format!("the material {} has no *ELASTIC", shown(&material.name)),
+            "only linear elastic materials are read; give others in a model file",
+        ));
+    };
+    match (elastic, &material.expansion) {
+        (Elastic::Isotropic(_), Some((line, values))) if values.len() > 1 => Err(reader.error(
+            *line,
+            "an isotropic material has one thermal expansion",
+            "write *EXPANSION without TYPE=ORTHO and with one number",
+        )),
+        _ => Ok(()),
     }
 }
 

@@ -2,7 +2,6 @@
 //!
 //! | file | is |
 //! |---|---|
-//! | `document` | the text, with the lines that it comes from |
 //! | `materials`, `sections` | `*MATERIAL`, `*SHELL SECTION` |
 //! | `targets` | nodes and elements of supports and loads |
 //! | `boundary`, `loads` | `*BOUNDARY`, `*CLOAD`, `*DLOAD` |
@@ -12,26 +11,29 @@
 //! without a message: cards that are not read are errors, and requests for results are warnings.
 
 mod boundary;
-mod document;
 mod loads;
 mod materials;
 mod sections;
 mod steps;
 mod targets;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use tegula::Issue;
 
-use self::boundary::Restraint;
-use self::document::{Document, quoted};
-use self::loads::Load;
 use self::materials::Materials;
-use self::steps::{StepAnalysis, StepCards};
+use self::steps::StepCards;
+pub use crate::conversion::Converted;
+use crate::conversion::analyses::StepAnalysis;
+use crate::conversion::document::{Document, quoted};
+use crate::conversion::loads::Load;
+use crate::conversion::supports::{self, Restraint};
+use crate::conversion::{Errors, Point, distinct, head, listed, write_points};
 use crate::mesh::MeshError;
-use crate::mesh::abaqus::cards::{self, Card, Reader, shown};
-use crate::mesh::abaqus::parts::{self, MOST_PRINTED, Parts};
+use crate::mesh::abaqus::cards::{self, Card, Reader};
+use crate::mesh::abaqus::parts;
+use crate::mesh::numbered::{MOST_PRINTED, Parts};
 
 /// Keywords that are read.
 const READ: &[&str] = &[
@@ -81,17 +83,6 @@ const IGNORED: &[&str] = &[
     "CONTROLS",
 ];
 
-/// Text of a model file made of an input file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Converted {
-    /// The text.
-    pub text: String,
-    /// Line of the input file that each line of the text comes from, counted from 1; 0 for none.
-    pub lines: Vec<usize>,
-    /// Warnings: requests that are not read, and steps that programs understand differently.
-    pub warnings: Vec<Issue>,
-}
-
 /// Converts the bytes of an input file; `path` appears in errors, and `mesh_file` is the name of the file for the model file.
 ///
 /// # Errors
@@ -113,7 +104,8 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
         return Err(distinct(errors));
     };
     let mut out = Document::default();
-    head(&mut out, &cards, path);
+    head(&mut out, path);
+    title(&mut out, &cards);
     let single = matches!(steps[..], [_]);
     if let (true, Some(analysis)) = (single, analyses.first()) {
         analysis.write(&mut out, "[analysis]");
@@ -126,11 +118,11 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
         }
     }
     let supports = keep.value(supports(&reader, &parts, model, &steps)).unwrap_or_default();
-    keep.value(boundary::write(&mut out, &reader, &parts, "[[conditions]]", &supports));
+    keep.value(supports::write(&mut out, &reader, &parts, "[[conditions]]", &supports));
     let loads = keep.value(loads_of(&reader, &parts, &steps, &analyses)).unwrap_or_default();
     for (analysis, loads) in analyses.iter().zip(&loads) {
         if !single {
-            out.table(analysis.line, "[[steps]]", "STEP");
+            out.table(analysis.line, "[[steps]]", "*STEP");
             if !analysis.name.is_empty() {
                 out.key(analysis.line, "name", &quoted(&analysis.name));
             }
@@ -141,37 +133,13 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
             .for_each(|load| load.write(&mut out, if single { "[[loads]]" } else { "[[steps.loads]]" }));
     }
     let printed = printed(&parts, &cards);
-    points(&mut out, &printed);
+    write_points(&mut out, &printed, "*NODE PRINT");
     if errors.is_empty() {
         let warnings = ignored(&cards, &printed).into_iter().chain(ambiguous(&steps, &analyses)).collect();
         Ok(Converted { text: out.text, lines: out.lines, warnings })
     } else {
         Err(distinct(errors))
     }
-}
-
-/// Errors of the parts of a file, which are reported together.
-struct Errors<'e>(&'e mut Vec<MeshError>);
-
-impl Errors<'_> {
-    fn value<T>(&mut self, of: Result<T, MeshError>) -> Option<T> {
-        of.map_err(|error| self.0.push(error)).ok()
-    }
-
-    fn add(&mut self, error: Option<MeshError>) {
-        self.0.extend(error);
-    }
-}
-
-/// The errors without repetition.
-fn distinct(errors: Vec<MeshError>) -> Vec<MeshError> {
-    let mut out: Vec<MeshError> = Vec::new();
-    for error in errors {
-        if !out.contains(&error) {
-            out.push(error);
-        }
-    }
-    out
 }
 
 /// One error for all cards that are not read; those without which there is no mesh have errors of their own.
@@ -182,25 +150,12 @@ fn unknown(reader: &Reader<'_>, cards: &[Card<'_>]) -> Option<MeshError> {
     };
     let unknown: Vec<&Card<'_>> = cards.iter().filter(known).collect();
     let first = unknown.first()?;
-    let list = listed(unknown.iter().map(|card| (card.keyword.as_str(), card.line)));
+    let list = listed("*", unknown.iter().map(|card| (card.keyword.as_str(), card.line)));
     Some(reader.error(
         first.line,
         format!("these cards are not read: {list}"),
         "remove them, and add their counterparts to the model file that `tegula convert` writes of the rest",
     ))
-}
-
-/// Keywords with their lines.
-fn listed<'a>(cards: impl Iterator<Item = (&'a str, usize)>) -> String {
-    let mut lines: BTreeMap<&str, Vec<String>> = BTreeMap::new();
-    for (keyword, line) in cards {
-        lines.entry(keyword).or_default().push(line.to_string());
-    }
-    let named = |(keyword, lines): (&str, Vec<String>)| {
-        let word = if lines.len() == 1 { "line" } else { "lines" };
-        format!("*{} ({word} {})", shown(keyword), lines.join(", "))
-    };
-    lines.into_iter().map(named).collect::<Vec<_>>().join(", ")
 }
 
 /// Warning about requests for results that are not read.
@@ -209,7 +164,7 @@ fn ignored(cards: &[Card<'_>], printed: &[Point]) -> Option<Issue> {
     let ignored = |card: &&Card<'_>| {
         IGNORED.contains(&card.keyword.as_str()) || (card.keyword == "NODE PRINT" && !read(card))
     };
-    let list = listed(cards.iter().filter(ignored).map(|card| (card.keyword.as_str(), card.line)));
+    let list = listed("*", cards.iter().filter(ignored).map(|card| (card.keyword.as_str(), card.line)));
     let message = format!("cards of the input file without effect: {list}");
     let help = "results are those of `[output]` in the model file, which `tegula convert` writes";
     (!list.is_empty()).then(|| Issue::new("", message, help))
@@ -219,11 +174,11 @@ fn ignored(cards: &[Card<'_>], printed: &[Point]) -> Option<Issue> {
 fn ambiguous(steps: &[StepCards<'_, '_>], analyses: &[StepAnalysis]) -> Option<Issue> {
     let mut loaded = false;
     for (step, analysis) in steps.iter().zip(analyses) {
-        if analysis.card == "STATIC" {
+        if analysis.card == "*STATIC" {
             loaded |= analysis.is_nonlinear();
         } else if loaded && !step.is_perturbation() {
             let message = format!(
-                "*{} on line {} is about the state of the step before, as in Abaqus; CalculiX takes the unloaded structure, as the step has no PERTURBATION",
+                "{} on line {} is about the state of the step before, as in Abaqus; CalculiX takes the unloaded structure, as the step has no PERTURBATION",
                 analysis.card, analysis.line
             );
             let help = "write PERTURBATION on *STEP to have the loaded state in both programs, or a file of its own for the unloaded structure";
@@ -233,14 +188,8 @@ fn ambiguous(steps: &[StepCards<'_, '_>], analyses: &[StepAnalysis]) -> Option<I
     None
 }
 
-/// Title and comment at the beginning.
-fn head(out: &mut Document, cards: &[Card<'_>], path: &Path) {
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    let plain: String = name.chars().filter(|c| !c.is_control()).collect();
-    out.line(
-        0,
-        &format!("# Model of the input file {plain}. Comments tell the lines that the tables come from."),
-    );
+/// Title of the model.
+fn title(out: &mut Document, cards: &[Card<'_>]) {
     let title = cards.iter().find(|card| card.keyword == "HEADING").and_then(|card| card.data.first());
     if let Some(title) = title {
         out.key(title.line, "title", &quoted(title.text));
@@ -250,7 +199,7 @@ fn head(out: &mut Document, cards: &[Card<'_>], path: &Path) {
 /// The table `[mesh]`.
 fn mesh(out: &mut Document, cards: &[Card<'_>], file: &str) {
     let line = cards.iter().find(|card| card.keyword == "NODE").map_or(1, |card| card.line);
-    out.table(line, "[mesh]", "NODE");
+    out.table(line, "[mesh]", "*NODE");
     out.key(line, "type", "\"abaqus\"");
     out.key(line, "file", &quoted(file));
 }
@@ -304,11 +253,11 @@ fn loads_of(
     for (step, analysis) in steps.iter().zip(analyses) {
         let cards = step.of(&["CLOAD", "DLOAD"]);
         all.push(match (analysis.card, cards.first()) {
-            ("STATIC", _) => {
+            ("*STATIC", _) => {
                 of_statics = loads::loads(reader, parts, &cards, &of_statics)?;
                 of_statics.clone()
             }
-            ("BUCKLE", _) => loads::loads(reader, parts, &cards, &[])?,
+            ("*BUCKLE", _) => loads::loads(reader, parts, &cards, &[])?,
             (_, None) => Vec::new(),
             (_, Some(card)) => {
                 return Err(reader.error(
@@ -320,13 +269,6 @@ fn loads_of(
         });
     }
     Ok(all)
-}
-
-/// A point whose displacements are recorded.
-struct Point {
-    name: String,
-    node: u64,
-    line: usize,
 }
 
 /// Points of the cards `*NODE PRINT` that ask for displacements of few nodes.
@@ -347,15 +289,6 @@ fn printed(parts: &Parts, cards: &[Card<'_>]) -> Vec<Point> {
         }
     }
     found
-}
-
-/// Writes the recorded points.
-fn points(out: &mut Document, points: &[Point]) {
-    for point in points {
-        out.table(point.line, "[[output.points]]", "NODE PRINT");
-        out.key(point.line, "name", &quoted(&point.name));
-        out.key(point.line, "on", &quoted(&point.node.to_string()));
-    }
 }
 
 #[cfg(test)]

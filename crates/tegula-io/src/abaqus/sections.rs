@@ -1,32 +1,10 @@
 //! `*SHELL SECTION`.
 
-use super::document::{Document, number, quoted};
 use super::materials::Materials;
+use crate::conversion::sections::{Layers, Ply, Section};
 use crate::mesh::MeshError;
 use crate::mesh::abaqus::cards::{Card, DataLine, Reader, shown};
-use crate::mesh::abaqus::parts::Parts;
-
-/// Section of a set of elements.
-#[derive(Debug)]
-pub(super) struct Section {
-    on: String,
-    line: usize,
-    layers: Layers,
-}
-
-#[derive(Debug)]
-enum Layers {
-    One { material: String, thickness: f64, line: usize },
-    Plies(Vec<Ply>),
-}
-
-#[derive(Debug)]
-struct Ply {
-    material: String,
-    thickness: f64,
-    angle: f64,
-    line: usize,
-}
+use crate::mesh::numbered::Parts;
 
 /// Section of a card.
 ///
@@ -72,7 +50,8 @@ pub(super) fn section(
             Layers::Plies(plies.collect::<Result<_, _>>()?)
         }
     };
-    Ok(Section { on: on.to_owned(), line: card.line, layers })
+    let (card, line) = ("*SHELL SECTION", card.line);
+    Ok(Section { on: on.to_owned(), card, line, layers, direction: None, offset: None })
 }
 
 /// Parameters that change the shell and are not read.
@@ -136,32 +115,4 @@ fn known(reader: &Reader<'_>, line: usize, materials: &Materials, name: &str) ->
             "check the name, or define it with *MATERIAL",
         )
     })
-}
-
-impl Section {
-    /// Writes the table of the section.
-    pub fn write(&self, out: &mut Document) {
-        out.table(self.line, "[[sections]]", "SHELL SECTION");
-        out.key(self.line, "on", &quoted(&self.on));
-        match &self.layers {
-            Layers::One { material, thickness, line } => {
-                out.key(self.line, "material", &quoted(material));
-                out.key(*line, "thickness", &number(*thickness));
-            }
-            Layers::Plies(plies) => {
-                out.line(self.line, "layup.plies = [");
-                for Ply { material, thickness, angle, line } in plies {
-                    let (material, thickness) = (quoted(material), number(*thickness));
-                    let angle = number(*angle);
-                    out.line(
-                        *line,
-                        &format!(
-                            "    {{ material = {material}, angle = {angle}, thickness = {thickness} }},"
-                        ),
-                    );
-                }
-                out.line(self.line, "]");
-            }
-        }
-    }
 }

@@ -1,6 +1,7 @@
 //! `*STEP` with `*STATIC`, `*FREQUENCY` or `*BUCKLE`.
 
-use super::document::{Document, quoted};
+use crate::conversion::analyses::StepAnalysis;
+use crate::conversion::document::quoted;
 use crate::mesh::MeshError;
 use crate::mesh::abaqus::cards::{Card, DataLine, Reader, shown};
 
@@ -12,19 +13,6 @@ const MOST_LOAD_STEPS: f64 = 1e6;
 pub(super) struct StepCards<'c, 't> {
     head: &'c Card<'t>,
     cards: &'c [Card<'t>],
-}
-
-/// Analysis of a step.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct StepAnalysis {
-    /// Line of the card of the analysis.
-    pub line: usize,
-    /// Card of the analysis.
-    pub card: &'static str,
-    /// Name of the step; empty where it has none.
-    pub name: String,
-    /// Keys of the analysis with their values in TOML.
-    keys: Vec<(&'static str, String)>,
 }
 
 /// Cards before the first step, and those of the steps.
@@ -118,35 +106,20 @@ impl<'c, 't> StepCards<'c, 't> {
             ));
         };
         let (card_name, keys) = match card.keyword.as_str() {
-            "STATIC" => ("STATIC", statics(reader, card, *nonlinear)?),
+            "STATIC" => ("*STATIC", statics(reader, card, *nonlinear)?),
             "FREQUENCY" => {
                 reader.only(card, &["SOLVER", "EIGENSOLVER", "STORAGE", "NORMALIZATION"])?;
                 let modes = wanted(reader, card, "the number of modes", true)?;
-                ("FREQUENCY", vec![("type", quoted("modal")), ("modes", modes)])
+                ("*FREQUENCY", vec![("type", quoted("modal")), ("modes", modes)])
             }
             _ => {
                 reader.only(card, &["SOLVER", "EIGENSOLVER"])?;
                 let factors = wanted(reader, card, "the number of buckling factors", false)?;
-                ("BUCKLE", vec![("type", quoted("buckling")), ("factors", factors)])
+                ("*BUCKLE", vec![("type", quoted("buckling")), ("factors", factors)])
             }
         };
         let name = self.head.parameter("NAME").unwrap_or_default().to_owned();
         Ok(StepAnalysis { line: card.line, card: card_name, name, keys })
-    }
-}
-
-impl StepAnalysis {
-    /// Whether displacements are large.
-    pub fn is_nonlinear(&self) -> bool {
-        self.keys.iter().all(|(key, _)| *key != "linear")
-    }
-
-    /// Writes the table `head`, such as `[analysis]`.
-    pub fn write(&self, out: &mut Document, head: &str) {
-        out.table(self.line, head, self.card);
-        for (key, value) in &self.keys {
-            out.key(self.line, key, value);
-        }
     }
 }
 

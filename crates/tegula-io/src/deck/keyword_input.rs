@@ -1,12 +1,14 @@
-//! Input files of Abaqus and CalculiX in the place of model files: mistakes of the model stand on the lines of the input file.
+//! Input files of Abaqus, CalculiX and Nastran in the place of model files: mistakes of the model stand on the lines of the input file.
 
 use std::path::Path;
 use std::sync::Arc;
 
 use super::diagnostic::Source;
 use super::{Deck, Diagnostic};
-use crate::abaqus;
+use crate::mesh::nastran::file as nastran_file;
+use crate::mesh::numbered::text;
 use crate::mesh::{At, MeshError};
+use crate::{abaqus, nastran};
 
 /// Input file that a model was made of.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -16,15 +18,48 @@ pub struct KeywordInput {
     lines: Arc<[usize]>,
 }
 
-/// Whether a file is an input file by its name.
-pub(super) fn is_input(path: &Path) -> bool {
-    path.extension().is_some_and(|end| end.eq_ignore_ascii_case("inp"))
+/// Program that an input file is written for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Format {
+    /// Abaqus or CalculiX.
+    Abaqus,
+    /// Nastran.
+    Nastran,
+}
+
+/// Format of an input file by its name; `None` for model files. A file `.dat` is one of Nastran where it has `BEGIN BULK`.
+pub(super) fn by_name(path: &Path, bytes: &[u8]) -> Option<Format> {
+    let is = |end: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(end));
+    if is("inp") {
+        Some(Format::Abaqus)
+    } else if is("bdf") || is("nas") || (is("dat") && by_content(bytes) == Format::Nastran) {
+        Some(Format::Nastran)
+    } else {
+        None
+    }
+}
+
+/// Format of an input file by its content.
+pub(super) fn by_content(bytes: &[u8]) -> Format {
+    match nastran_file::is_complete(&text(bytes)) {
+        true => Format::Nastran,
+        false => Format::Abaqus,
+    }
 }
 
 /// Model of the bytes of an input file, whose name the model gives as `mesh_file`.
-pub(super) fn parse(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Deck, Vec<Diagnostic>> {
-    let text = crate::mesh::abaqus::cards::text(bytes);
-    let converted = abaqus::convert(path, bytes, mesh_file).map_err(|errors| {
+pub(super) fn parse(
+    path: &Path,
+    bytes: &[u8],
+    format: Format,
+    mesh_file: &str,
+) -> Result<Deck, Vec<Diagnostic>> {
+    let text = text(bytes);
+    let convert = match format {
+        Format::Abaqus => abaqus::convert,
+        Format::Nastran => nastran::convert,
+    };
+    let converted = convert(path, bytes, mesh_file).map_err(|errors| {
         let source = Source::new(path, &text);
         errors.iter().map(|error| diagnostic(&source, path, error)).collect::<Vec<_>>()
     })?;

@@ -9,7 +9,7 @@
 //! | `partial` | what else is wrong when keys are wrong already |
 //! | `unknown` | suggestions for an unknown key |
 //! | `syntax` | messages for the errors of the TOML parser |
-//! | `keyword_input` | input files of Abaqus and CalculiX in the place of model files |
+//! | `keyword_input` | input files of Abaqus, CalculiX and Nastran in the place of model files |
 //! | `locate` | from the path of a key to its place in the text, and back |
 //! | `template` | model files to begin with |
 //!
@@ -64,7 +64,7 @@ pub struct Deck {
     pub text: String,
     /// Warnings of the text that the model does not show: markers that nothing uses.
     pub warnings: Vec<Issue>,
-    /// Input file of Abaqus or CalculiX that the text was made of; its lines are those of messages.
+    /// Input file of another program that the text was made of; its lines are those of messages.
     pub input: Option<KeywordInput>,
 }
 
@@ -80,9 +80,9 @@ impl Deck {
             (path, std::fs::read(path))
         };
         let bytes = bytes.map_err(|error| unreadable(path, &error))?;
-        if keyword_input::is_input(path) {
+        if let Some(format) = keyword_input::by_name(path, &bytes) {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-            return keyword_input::parse(path, &bytes, &name);
+            return keyword_input::parse(path, &bytes, format, &name);
         }
         match String::from_utf8(bytes) {
             Ok(text) => Self::parse(path, text),
@@ -99,11 +99,13 @@ impl Deck {
         }
     }
 
-    /// Reads the input file of Abaqus or CalculiX at `path`, whatever its name; the model gives the name `mesh_file` to it, and its text
+    /// Reads the input file of Abaqus, CalculiX or Nastran at `path`, whatever its name; the model gives the name `mesh_file` to it, and its text
     /// is the model file. On failure everything that is wrong with it.
     pub fn convert(path: &Path, mesh_file: &str) -> Result<Self, Vec<Diagnostic>> {
         let bytes = std::fs::read(path).map_err(|error| unreadable(path, &error))?;
-        keyword_input::parse(path, &bytes, mesh_file)
+        let format =
+            keyword_input::by_name(path, &bytes).unwrap_or_else(|| keyword_input::by_content(&bytes));
+        keyword_input::parse(path, &bytes, format, mesh_file)
     }
 
     /// Reads a model from `text`; `path` appears in errors and is the place that mesh files are relative to.

@@ -1,6 +1,7 @@
 //! Readers of mesh files of other programs, which give a [`tegula::Mesh`], and of the surfaces of rigid bodies.
 
 pub mod node_table;
+pub mod numbered;
 pub mod stl;
 
 use std::fmt;

@@ -31,6 +31,7 @@ macro_rules! mesh_readers {
         $made! {
             gmsh::Gmsh: "A Gmsh file (`.msh`, format 2.2 or 4.1, ASCII or binary); physical groups become sets.",
             abaqus::Abaqus: "An input file of Abaqus or CalculiX (`.inp`) with shells of four nodes; node and element sets become sets.",
+            nastran::Nastran: "A bulk data file of Nastran (`.bdf`, `.nas`) with shells of four nodes; properties, supports and loads have sets.",
         }
     };
 }

@@ -4,13 +4,8 @@
 //! where it ends with a comma. The lines up to the next keyword line are its data lines, values between commas. Lines that begin with
 //! `**` are comments. Upper and lower case are the same, and blanks around commas and equal signs do not count.
 
-use std::borrow::Cow;
-use std::path::Path;
-
-use crate::mesh::{At, MeshError};
-
-/// Longest part of a line that a message repeats (characters).
-const SHOWN: usize = 40;
+use crate::mesh::MeshError;
+pub use crate::mesh::numbered::{Reader, shown, text};
 
 /// A keyword line with its data lines.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -43,43 +38,7 @@ pub struct DataLine<'a> {
     pub text: &'a str,
 }
 
-/// Reader of the cards of one file: makes its errors.
-#[derive(Debug, Clone, Copy)]
-pub struct Reader<'a> {
-    path: &'a Path,
-}
-
-/// Text of the bytes of a file; bytes that are no UTF-8, as comments may have them, become replacement characters.
-pub fn text(bytes: &[u8]) -> Cow<'_, str> {
-    String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
-}
-
-impl<'a> Reader<'a> {
-    /// A reader whose errors name the file at `path`.
-    pub fn new(path: &'a Path) -> Self {
-        Self { path }
-    }
-
-    /// Name of the file without its folder.
-    pub fn file_name(&self) -> String {
-        self.path.file_name().unwrap_or(self.path.as_os_str()).to_string_lossy().into_owned()
-    }
-
-    /// An error at a line.
-    pub fn error(&self, line: usize, message: impl Into<String>, help: impl Into<String>) -> MeshError {
-        MeshError {
-            file: self.path.to_owned(),
-            at: At::Line(line),
-            message: message.into(),
-            help: help.into(),
-        }
-    }
-
-    /// An error of the file as a whole.
-    pub fn whole(&self, message: impl Into<String>, help: impl Into<String>) -> MeshError {
-        MeshError { at: At::File, ..self.error(0, message, help) }
-    }
-
+impl Reader<'_> {
     /// Cards of a text.
     ///
     /// # Errors
@@ -301,12 +260,4 @@ pub fn label(field: &str) -> Option<u64> {
 fn single_blanks(text: &str) -> String {
     let words: Vec<String> = text.split_whitespace().map(str::to_uppercase).collect();
     words.join(" ")
-}
-
-/// Beginning of a text that a message repeats.
-pub fn shown(text: &str) -> String {
-    match text.char_indices().nth(SHOWN) {
-        Some((end, _)) => format!("{}…", text.get(..end).unwrap_or_default()),
-        None => text.to_owned(),
-    }
 }

@@ -1,0 +1,93 @@
+//! Rigid elements: `RBE2`.
+
+use super::file::File;
+use crate::mesh::MeshError;
+use crate::mesh::numbered::{Parts, Reader, shown};
+
+/// A rigid element.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// Name of the body.
+    pub name: String,
+    /// Independent node, which gives the place of the body.
+    pub node: u64,
+    /// Nodes of elements that it holds; the independent one where it belongs to an element.
+    pub nodes: Vec<u64>,
+    /// Position of the independent node.
+    pub at: [f64; 3],
+    /// Line of the card.
+    pub line: usize,
+}
+
+impl Body {
+    /// Name of the set of its nodes.
+    pub fn set(&self) -> String {
+        format!("nodes of {}", self.name)
+    }
+}
+
+/// Rigid elements of a file.
+///
+/// # Errors
+/// A card is incomplete, does not hold all degrees of freedom, or names unknown nodes.
+pub fn bodies(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec<Body>, MeshError> {
+    let known = parts.nodes.keys().copied().collect();
+    let mut out: Vec<Body> = Vec::new();
+    for card in file.named("RBE2") {
+        let label = card.id(reader, 0, "the number")?;
+        let node = card.id(reader, 1, "the independent node")?;
+        let components = card.field(2);
+        if components.text != "123456" {
+            return Err(reader.error(
+                components.line,
+                format!("RBE2 holds the degrees of freedom \"{}\"", shown(components.text)),
+                "write 123456: a rigid patch holds its nodes with their normals",
+            ));
+        }
+        // A real number at the end is the thermal expansion.
+        let expansion = |field: &super::cards::Field<'_>| super::numbers::real(field.text);
+        let last = card.len().saturating_sub(1);
+        if expansion(&card.field(last)).is_some_and(|alpha| alpha != 0.0) {
+            let help = "leave it out: there are no temperatures";
+            return Err(reader.error(
+                card.field(last).line,
+                "the thermal expansion of RBE2 is not read",
+                help,
+            ));
+        }
+        let plain = match expansion(&card.field(last)) {
+            Some(_) => card.without_last(),
+            None => card.clone(),
+        };
+        let mut nodes = plain.list(reader, 3, "a dependent node", &known)?;
+        for &of in nodes.iter().chain([&node]) {
+            if !parts.nodes.contains_key(&of) || (of != node && !parts.used.contains(&of)) {
+                let message = match parts.nodes.contains_key(&of) {
+                    true => format!("node {of} of RBE2 {label} belongs to no element"),
+                    false => format!("RBE2 {label} needs node {of}, which the file does not define"),
+                };
+                return Err(reader.error(card.line, message, "check the numbers of the card"));
+            }
+        }
+        if let Some(other) =
+            out.iter().find(|other| other.node == node || other.name == format!("RBE2 {label}"))
+        {
+            return Err(reader.error(
+                card.line,
+                format!(
+                    "RBE2 {label} has its number or its independent node from the one on line {}",
+                    other.line
+                ),
+                "join the two into one",
+            ));
+        }
+        if parts.used.contains(&node) {
+            nodes.push(node);
+        }
+        nodes.sort_unstable();
+        nodes.dedup();
+        let at = parts.nodes.get(&node).map_or([0.0; 3], |(position, _)| (*position).into());
+        out.push(Body { name: format!("RBE2 {label}"), node, nodes, at, line: card.line });
+    }
+    Ok(out)
+}
