@@ -110,3 +110,50 @@ fn subcases_of_linear_statics_are_independent() {
     // The pressure acts along the normal, upwards.
     assert!(alone > 0.0);
 }
+
+/// A strip of L = 10, width 0.5, thickness 0.1 under a force F = 0.01 at its end bends by F L³ / (3 E I), where E is the modulus along it:
+/// E1 = 140 000 with the fibre along the strip, E2 = 10 000 across it. Of two plies the stiffer one below has the bending stiffness
+/// D - B²/A, and as it is on the side in tension the middle of the strip gets shorter.
+#[test]
+fn axes_of_materials_and_plies_of_bulk_data_files_bend_a_strip_as_beam_theory_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |name: &str, first: usize, theta: &str, property: &str| {
+        let mut bulk = String::new();
+        for (row, y) in [(0, "0."), (1, ".5")] {
+            for i in 0..=20 {
+                bulk += &format!("GRID,{},,{:.1},{y},0.\n", 21 * row + i + 1, 0.5 * i as f64);
+            }
+        }
+        for i in 1..=20 {
+            let mut nodes = [i, i + 1, i + 22, i + 21];
+            nodes.rotate_left(first);
+            let [a, b, c, d] = nodes;
+            bulk += &format!("CQUAD4,{i},3,{a},{b},{c},{d},{theta}\n");
+        }
+        let (path, out) = (folder.path().join(name).with_extension("bdf"), folder.path().join(name));
+        let deck = format!(
+            "SOL 101\nCEND\nSPC = 1\nLOAD = 2\nSET 1 = 21\nDISP = 1\nBEGIN BULK\n{bulk}{property}\
+             MAT8,4,140.+3,10.+3,0.,5.+3,5.+3,5.+3\nSPC1,1,123456,1,22\n\
+             FORCE,2,21,,.005,0.,0.,1.\nFORCE,2,42,,.005,0.,0.,1.\nENDDATA\n"
+        );
+        std::fs::write(&path, deck).unwrap();
+        let run = tegula(&["run", text(&path), "--out", text(&out), "--quiet"]);
+        assert!(run.status.success(), "{}", errors(&run));
+        summary(&out)["points"]["node 21"]["displacement"].clone()
+    };
+    let deflection = |stiffness: f64| 0.01 * 1000.0 / (3.0 * stiffness);
+    let inertia = 0.5 * 0.1_f64.powi(3) / 12.0;
+    let shell = "PSHELL,3,4,.1,4,,4\n";
+    near(&run("along", 0, "0.", shell)[2], deflection(140e3 * inertia), 2e-3);
+    near(&run("across", 0, "90.", shell)[2], deflection(10e3 * inertia), 2e-3);
+    near(&run("corner", 1, "0.", shell)[2], deflection(10e3 * inertia), 2e-3);
+    near(&run("turned", 1, "90.", shell)[2], deflection(140e3 * inertia), 2e-3);
+    let layers = [(140e3, -0.05_f64, -0.02_f64), (10e3, -0.02, 0.05)];
+    let moment = |k: i32| -> f64 {
+        layers.iter().map(|(e, from, to)| e * (to.powi(k) - from.powi(k)) / f64::from(k)).sum()
+    };
+    let (a, b, d) = (moment(1), moment(2), moment(3));
+    let u = run("plies", 0, "", "PCOMP,3\n,4,.03,0.,,4,.07,90.\n");
+    near(&u[2], deflection(0.5 * (d - b * b / a)), 2e-3);
+    assert!(u[0].as_f64().unwrap() < 0.0, "{u}");
+}

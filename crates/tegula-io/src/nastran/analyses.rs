@@ -50,8 +50,9 @@ pub(super) fn steps(
             let keys = || vec![("type", quoted("static")), ("linear", "true".into())];
             Ok(subcases.iter().map(|subcase| step(subcase, "SOL 101", keys())).collect())
         }
-        Solution::Nonlinear(large) => {
-            let large = parameters.large_displacements.unwrap_or(large);
+        Solution::Nonlinear(by_default) => {
+            let card = if by_default { "SOL 400" } else { "SOL 106" };
+            let large = parameters.large_displacements.unwrap_or(by_default);
             let one = |subcase: &Subcase| {
                 let mut keys = vec![("type", quoted("static"))];
                 let increments = increments(reader, file, subcase)?;
@@ -60,7 +61,7 @@ pub(super) fn steps(
                     (true, Some(n)) if n > 1 => keys.push(("load_steps", n.to_string())),
                     _ => {}
                 }
-                Ok(step(subcase, "SOL 106", keys))
+                Ok(step(subcase, card, keys))
             };
             subcases.iter().map(one).collect()
         }

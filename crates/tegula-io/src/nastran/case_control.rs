@@ -44,6 +44,10 @@ const IGNORED: &[&str] = &[
     "BOUTPUT",
     "PAGE",
     "RESULTS",
+    "SEALL",
+    "SUPER",
+    "WEIGHTCHECK",
+    "GROUNDCHECK",
 ];
 
 /// Statements of the executive control without effect.

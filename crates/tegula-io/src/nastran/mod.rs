@@ -44,6 +44,9 @@ const READ: &[&str] = &[
     "PLOAD2", "PLOAD4", "GRAV", "EIGRL", "EIGR", "NLPARM", "RBE2", "PARAM",
 ];
 
+/// Coordinate systems, which have no effect: a card that refers to one is refused.
+const SYSTEMS: &[&str] = &["CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S"];
+
 /// Converts the bytes of an input file; `path` appears in errors, and `mesh_file` is the name of the file for the model file.
 ///
 /// # Errors
@@ -96,7 +99,8 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
 
 /// One error for all cards that are not read.
 fn unknown(reader: &Reader<'_>, file: &File<'_>) -> Option<MeshError> {
-    let unknown = |name: &str| !READ.contains(&name) && bulk::refusal(name).is_none();
+    let unknown =
+        |name: &str| !READ.contains(&name) && !SYSTEMS.contains(&name) && bulk::refusal(name).is_none();
     let cards: Vec<_> = file.cards.iter().filter(|card| unknown(&card.name)).collect();
     let first = cards.first()?;
     let list = listed("", cards.iter().map(|card| (card.name.as_str(), card.line)));
@@ -211,6 +215,9 @@ fn note(
         notes.add(name.clone(), *line);
     }
     parameters.ignored.iter().for_each(|(name, line)| notes.add(format!("PARAM,{name}"), *line));
+    for card in file.cards.iter().filter(|card| SYSTEMS.contains(&card.name.as_str())) {
+        notes.add(card.name.clone(), card.line);
+    }
     for card in file.named("NLPARM").filter(|card| card.len() > 2) {
         notes.add("NLPARM but for its increments", card.line);
     }

@@ -451,24 +451,27 @@ fn control_that_is_not_read_is_refused() {
 fn requests_are_named_in_a_warning_but_for_displacements_of_few_nodes() {
     let control = CONTROL.replace(
         "BEGIN BULK\n",
-        "SET 4 = 3,\n6\nDISP(PLOT) = 4\nSTRESS = ALL\nSPCF = ALL\nBEGIN BULK\nPARAM,AUTOSPC,YES\nPARAM,K6ROT,100.\nPARAM,WTMASS,1.\n",
+        "SET 4 = 3,\n6\nDISP(PLOT) = 4\nSTRESS = ALL\nSPCF = ALL\nBEGIN BULK\nPARAM,AUTOSPC,YES\nPARAM,K6ROT,100.\nPARAM,WTMASS,1.\nCORD2R,1\n",
     );
     let deck = strip().replace(CONTROL, &control);
     let points = model(&deck)["output"]["points"].clone();
     assert_eq!((&points[0]["name"], &points[1]["on"]), (&"node 3".into(), &"6".into()));
     assert_eq!(
         warning(&deck),
-        "parts of the input file without effect: PARAM,AUTOSPC (line 12), PARAM,K6ROT (line 13), PARAM,WTMASS (line 14), SPCFORCES (line 10), STRESS (line 9)"
+        "parts of the input file without effect: CORD2R (line 15), PARAM,AUTOSPC (line 12), PARAM,K6ROT (line 13), PARAM,WTMASS (line 14), SPCFORCES (line 10), STRESS (line 9)"
     );
     assert_eq!(warning(&strip()), "");
+    // A title that ends with a comma swallows no command.
+    let comma = model(&strip().replace("A \"strip\"", "Strip,"));
+    assert_eq!((&comma["title"], comma["conditions"].as_array().unwrap().len()), (&"Strip,".into(), 1));
 }
 
 #[test]
 fn unknown_cards_are_listed_with_their_lines() {
-    let found = mistakes(&format!("{}TEMPD,1,20.\nCORD2R,1\nTEMPD,2,20.\n", strip()));
+    let found = mistakes(&format!("{}TEMPD,1,20.\nTEMP,1,2,20.\nTEMPD,2,20.\n", strip()));
     let base = strip().lines().count();
     let list = format!(
-        "these cards are not read: CORD2R (line {}), TEMPD (lines {}, {})",
+        "these cards are not read: TEMP (line {}), TEMPD (lines {}, {})",
         base + 2,
         base + 1,
         base + 3

@@ -6,6 +6,9 @@ use super::cards::{self, Card};
 use crate::mesh::MeshError;
 use crate::mesh::numbered::{self, Reader, shown};
 
+/// First letters of the commands whose value is any text.
+const TITLES: &[&str] = &["TITL", "SUBT", "LABE"];
+
 /// An input file of Nastran. A file without `BEGIN BULK` is bulk data alone.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct File<'a> {
@@ -114,7 +117,10 @@ fn commands(lines: &[(usize, &str)]) -> Vec<Command> {
             let value = rest.strip_prefix('=').unwrap_or(rest).trim();
             out.push(Command { name: name.to_uppercase(), value: value.to_owned(), line: *line });
         }
-        continued = text.ends_with(',');
+        // A title may end with a comma.
+        let title =
+            out.last().is_some_and(|command| TITLES.iter().any(|title| command.name.starts_with(title)));
+        continued = text.ends_with(',') && !title;
     }
     out
 }
