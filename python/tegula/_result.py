@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
@@ -14,6 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._errors import OutputError
+from ._tegula import report_page, write_report
+
+_MOST_IN_NOTEBOOK = 8_000_000
+"""Characters of a report in a notebook, which keeps a copy of it."""
 
 
 @dataclass(frozen=True)
@@ -213,6 +218,30 @@ class Result:
         """Results of the paths that cross a path, by the number of the bifurcation; negative for the other side of its mode."""
         found = self.summary.get("branches") or []
         return {b["bifurcation"]: Result(self.folder / b["folder"], _keep=self._keep) for b in found if b.get("status")}
+
+    def report(self, path: str | PathLike[str] | None = None) -> Path:
+        """Writes a report: one HTML file for a browser, without network, with checks, moving shapes, curves and tables.
+
+        Args:
+            path: The file; `report.html` in the result folder unless given.
+
+        Returns:
+            The path of the file.
+
+        Raises:
+            OutputError: a result file is damaged, or the report cannot be written.
+        """
+        path = self.folder / "report.html" if path is None else Path(path)
+        write_report(self.folder, path)
+        return path
+
+    def _repr_html_(self) -> str:
+        """The report in a notebook."""
+        page = html.escape(report_page(self.folder, _MOST_IN_NOTEBOOK), quote=True)
+        return (
+            f'<iframe srcdoc="{page}" sandbox="allow-scripts allow-downloads" loading="lazy" '
+            'style="width: 100%; height: 860px; border: 1px solid #ccc"></iframe>'
+        )
 
     def __copy__(self) -> Result:
         return Result(self.folder, _keep=self._keep)

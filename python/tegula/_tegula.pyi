@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 VERSION: str
 
+def write_report(folder: str | PathLike[str], file: str | PathLike[str]) -> list[str]: ...
+def report_page(folder: str | PathLike[str], most: int) -> str: ...
+
 class Deck:
     @staticmethod
     def read(path: str | PathLike[str]) -> Deck: ...

@@ -11,6 +11,7 @@ mod terminal;
 mod check;
 mod completions;
 mod convert;
+mod html_report;
 mod info;
 mod interrupt;
 mod locking;
@@ -55,6 +56,8 @@ enum Command {
     New(new::Arguments),
     /// Write the model file that corresponds to an input file of Abaqus, CalculiX or Nastran
     Convert(convert::Arguments),
+    /// Write the report of a result folder: one HTML file with checks, moving shapes, curves and tables
+    Report(html_report::Arguments),
     /// Print the JSON Schema of the model file, for editors
     Schema,
     /// Print version, threads and instruction set, or the summary of a model or result
@@ -79,6 +82,7 @@ fn main() -> ExitCode {
         Command::Check(arguments) => (check::run(&arguments), arguments.json),
         Command::New(arguments) => (new::run(&arguments), false),
         Command::Convert(arguments) => (convert::run(&arguments), false),
+        Command::Report(arguments) => (html_report::run(&arguments), false),
         Command::Schema => (schema::run(), false),
         Command::Info(arguments) => (info::run(&arguments), arguments.json),
         Command::Completions(arguments) => (completions::run(&arguments), false),

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tegula_io::deck::{Deck, STANDARD_INPUT};
-use tegula_io::job::{self, JobOptions, StopResult, Summary};
+use tegula_io::job::{self, JobError, JobOptions, StopResult, Summary};
 
 use crate::numbers::{counted, duration, significant};
 use crate::progress::{Detail, ProgressLine};
 use crate::report::Failure;
-use crate::{interrupt, threads};
+use crate::{html_report, interrupt, threads};
 
 /// Arguments of `tegula run`.
 #[derive(Debug, Args)]
@@ -28,6 +28,9 @@ pub struct Arguments {
     /// Replace the results of another model in the result folder
     #[arg(long)]
     force: bool,
+    /// Write `report.html` into the result folder: the run in a browser, with moving shapes and curves
+    #[arg(long)]
+    report: bool,
     /// Print errors only
     #[arg(short, long, conflicts_with = "verbose")]
     quiet: bool,
@@ -53,6 +56,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = JobOptions { folder: folder.clone(), resume: arguments.resume, force: arguments.force };
     let outcome = job::run(&deck, &options, &mut line);
     line.close();
+    if arguments.report && folder.join("summary.json").is_file() && reportable(&outcome) {
+        html_report::write(&folder, &folder.join("report.html"))?;
+    }
     let summary = outcome?;
     if arguments.json {
         say!("{}", as_json(&summary)?);
@@ -60,6 +66,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         print(&summary, &folder);
     }
     Ok(())
+}
+
+/// Whether a run has left results of its own: also one that has failed on its way has a report.
+fn reportable(outcome: &Result<Summary, JobError>) -> bool {
+    matches!(outcome, Ok(_) | Err(JobError::Analysis { .. } | JobError::Interrupted { .. }))
 }
 
 fn default_folder(model: &Path) -> PathBuf {

@@ -9,3 +9,4 @@ pub mod mesh;
 pub mod nastran;
 pub mod out;
 pub mod plot;
+pub mod report;

@@ -32,6 +32,11 @@ fn in_python(message: &str) -> String {
         .fold(message.to_owned(), |text, (option, argument)| text.replace(option, argument))
 }
 
+/// Exception of a file.
+pub fn of_output(error: tegula_io::out::OutputError) -> PyErr {
+    OutputError::new_err(in_python(&error.to_string()))
+}
+
 /// Exception of a run.
 pub fn of_run(error: JobError) -> PyErr {
     match error {

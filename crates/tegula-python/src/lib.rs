@@ -3,6 +3,7 @@
 mod convert;
 mod failure;
 mod model;
+mod report;
 mod simulation;
 mod threads;
 mod watch;
@@ -11,6 +12,8 @@ mod watch;
 mod _tegula {
     #[pymodule_export]
     use super::model::Deck;
+    #[pymodule_export]
+    use super::report::{report_page, write_report};
     #[pymodule_export]
     use super::simulation::Steps;
 

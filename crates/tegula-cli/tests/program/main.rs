@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 mod decks;
 mod machines;
 mod paths;
+mod reports;
 
 fn tegula(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tegula")).args(arguments).output().unwrap()

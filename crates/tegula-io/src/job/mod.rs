@@ -57,7 +57,7 @@ pub use fields::{directors, nodal, positions};
 pub use folder::{Claim, ResultFolder};
 pub use forces::{AccelerationResult, BalanceResult, ForceResult};
 pub use history::HistoryRows;
-pub use prepare::{Prepared, prepare};
+pub use prepare::{Prepared, fingerprint_of, prepare};
 pub use run::run;
 pub use summary::{
     BranchResult, CriticalResult, Energy, PointResult, Status, StepSummary, StopResult, Summary,

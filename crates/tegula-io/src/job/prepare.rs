@@ -210,6 +210,15 @@ fn mesh(deck: &Deck) -> Result<(Mesh, u64), Vec<Issue>> {
     Ok((mesh, combined(text, fingerprint(&bytes))))
 }
 
+/// Fingerprint of the files that a model is made of, as in its `summary.json`; `None` where one of them cannot be read.
+pub fn fingerprint_of(deck: &Deck) -> Option<u64> {
+    let (mut model, mut issues) = (deck.model.clone(), Vec::new());
+    let surfaces = surfaces(deck, &mut model, &mut issues);
+    let displaced = displacements(deck, &mut model, &mut issues);
+    let (_, fingerprint) = mesh(deck).ok()?;
+    issues.is_empty().then(|| surfaces.into_iter().chain(displaced).fold(fingerprint, combined))
+}
+
 /// Fingerprint of two files.
 fn combined(first: u64, second: u64) -> u64 {
     fingerprint([first.to_le_bytes(), second.to_le_bytes()].concat())

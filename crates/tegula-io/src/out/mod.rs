@@ -2,7 +2,7 @@
 //!
 //! | file | written by | read by |
 //! |---|---|---|
-//! | `*.vtu` | [`vtu::write`] | ParaView, PyVista, meshio |
+//! | `*.vtu` | [`vtu::write`] | ParaView, PyVista, meshio, and [`vtu_file::VtuFile`] |
 //! | `*.pvd` | [`pvd::PvdSeries`] | ParaView, PyVista |
 //! | `*.csv` | [`csv::HistoryWriter`] | everything, and [`csv::read`] |
 //! | `*.mtx` | [`matrix_market::write`] | Python (SciPy), MATLAB, Julia, Octave |
@@ -21,6 +21,7 @@ pub mod matrix_market;
 pub mod pvd;
 pub mod text;
 pub mod vtu;
+pub mod vtu_file;
 
 pub use checkpoint::{fingerprint, load_checkpoint, save_checkpoint};
 pub use csv::HistoryWriter;

@@ -28,11 +28,11 @@ const BLOCK: usize = 1 << 16;
 /// By this comment near its beginning a file is known as one of this program.
 const MARK: &str = "<!-- written by tegula -->\n";
 /// VTK's number for a four-node quadrilateral, `VTK_QUAD`.
-const VTK_QUAD: u8 = 9;
+pub(super) const VTK_QUAD: u8 = 9;
 /// VTK's number for a triangle, `VTK_TRIANGLE`.
-const VTK_TRIANGLE: u8 = 5;
+pub(super) const VTK_TRIANGLE: u8 = 5;
 /// VTK's number for a line of two points, `VTK_LINE`.
-const VTK_LINE: u8 = 3;
+pub(super) const VTK_LINE: u8 = 3;
 
 /// One named array on the points or on the cells.
 #[derive(Debug, Clone)]

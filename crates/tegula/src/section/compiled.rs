@@ -166,7 +166,7 @@ impl CompiledSection {
 
     /// True if stiffness or strengths of a layer depend on the section's direction, which then must not be normal to the surface.
     pub fn is_directed(&self) -> bool {
-        let differ = |l: &Layer| l.material.strength().is_some_and(|s| (s.xt, s.xc) != (s.yt, s.yc));
+        let differ = |l: &Layer| l.material.strength().is_some_and(|s| !s.is_isotropic());
         !self.isotropic || self.layers.iter().any(differ)
     }
 

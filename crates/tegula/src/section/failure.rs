@@ -39,6 +39,13 @@ impl Strengths {
         linear + quadratic
     }
 
+    /// Whether the Tsai–Wu index does not depend on the axes: `X = Y` and `F66 = 2 (F11 − F12)`, to 1 %, as shear strengths are given
+    /// with few digits. Von Mises' criterion is the case `S = X/√3` with `F12* = −1/2`.
+    pub fn is_isotropic(&self) -> bool {
+        let shear = self.xt * self.xc / (2.0 * (1.0 - self.tsai_wu_interaction) * self.s12 * self.s12);
+        (self.xt, self.xc) == (self.yt, self.yc) && (shear - 1.0).abs() < 1e-2
+    }
+
     /// Reserve factor R of Tsai–Wu: the multiple of the stress at which the index is 1, from
     /// `a R² + b R = 1` with the quadratic part a and the linear part b of the index. Below 1 the ply has
     /// failed; infinite without stress.
@@ -77,6 +84,8 @@ impl Strengths {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector2;
+
     use super::*;
 
     fn carbon() -> Strengths {
@@ -141,6 +150,23 @@ mod tests {
         let t: Vector3<f64> = Vector3::new(1.2, -0.7, 0.4);
         let mises = (t[0] * t[0] - t[0] * t[1] + t[1] * t[1] + 3.0 * t[2] * t[2]).sqrt();
         assert!((s.tsai_wu_reserve(&t) - yield_stress / mises).abs() < 1e-12);
+    }
+
+    #[test]
+    fn isotropic_strengths_have_an_index_without_axes() {
+        let mut s = Strengths::new(3.0, 4.0, 3.0, 4.0, 2.0);
+        assert!(s.is_isotropic());
+        let t = Vector3::new(1.2, -0.7, 0.4);
+        let (centre, half) = (0.5 * (t[0] + t[1]), Vector2::new(0.5 * (t[0] - t[1]), t[2]));
+        for angle in [0.3, 1.1, 2.0_f64] {
+            let (sin, cos) = (2.0 * angle).sin_cos();
+            let d = Vector2::new(cos * half.x + sin * half.y, cos * half.y - sin * half.x);
+            let turned = Vector3::new(centre + d.x, centre - d.x, d.y);
+            assert!((s.tsai_wu(&turned) - s.tsai_wu(&t)).abs() < 1e-12);
+        }
+        s.s12 = 1.5;
+        assert!(!s.is_isotropic());
+        assert!(!carbon().is_isotropic());
     }
 
     #[test]

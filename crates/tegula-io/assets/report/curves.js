@@ -1,0 +1,107 @@
+"use strict";
+/* Curves by uPlot: histories, and load-displacement diagrams whose abscissa may turn back. */
+
+/** Okabe and Ito, "Color Universal Design" (2008), without yellow. */
+const INKS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#222222"];
+
+/** Number for an axis or a legend. */
+function shortNumber(x) {
+  if (x === null || x === undefined || Number.isNaN(x)) return "–";
+  const size = Math.abs(x);
+  return size === 0 || (size >= 1e-3 && size < 1e5) ? String(Number(x.toPrecision(6))) : x.toExponential(4).replace(/\.?0+e/, "e");
+}
+
+/** Options that all plots have. */
+function plotOptions(box, title, x, y) {
+  const axis = (label) => ({ label, labelSize: 22, size: 58, stroke: "#444", values: (u, ticks) => ticks.map(shortNumber), grid: { stroke: "#e4e4e4" } });
+  return { title, width: Math.max(280, box.clientWidth), height: 280, axes: [{ ...axis(x), size: 40 }, axis(y)], scales: { x: { time: false } } };
+}
+
+/** Draws the polyline of a series of a diagram; parts of unstable equilibria are dashed, critical points are marks. */
+function polyline(dashed, marks) {
+  return (u, index) => {
+    const [xs, ys] = u.data[index], { ctx } = u, place = (x, y) => [u.valToPos(x, "x", true), u.valToPos(y, "y", true)];
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
+    ctx.clip();
+    ctx.lineWidth = 2 * devicePixelRatio;
+    ctx.strokeStyle = ctx.fillStyle = u.series[index].colour;
+    if (marks)
+      for (let i = 0; i < xs.length; i++) {
+        ctx.beginPath();
+        ctx.arc(...place(xs[i], ys[i]), 5 * devicePixelRatio, 0, 2 * Math.PI);
+        ctx.fill();
+      }
+    else
+      for (const dash of [false, true]) {
+        ctx.setLineDash(dash ? [6 * devicePixelRatio, 5 * devicePixelRatio] : []);
+        ctx.beginPath();
+        let joined = false;
+        for (let i = 1; i < xs.length; i++) {
+          const drawn = Boolean(dashed && dashed[i]) === dash;
+          if (drawn && !joined) ctx.moveTo(...place(xs[i - 1], ys[i - 1]));
+          if (drawn) ctx.lineTo(...place(xs[i], ys[i]));
+          joined = drawn;
+        }
+        ctx.stroke();
+      }
+    ctx.restore();
+    return null;
+  };
+}
+
+/** Diagram of curves whose abscissa need not increase: `curves` have a name, xs, ys, dashed (for each point) or marks. */
+function diagram(holder, title, x, y, curves) {
+  const box = document.createElement("div");
+  holder.append(box);
+  const options = plotOptions(box, title, x, y);
+  const extent = (key) => {
+    const all = curves.flatMap((c) => Array.from(c[key])).filter(Number.isFinite);
+    const [low, high] = [all.reduce((a, b) => Math.min(a, b), Infinity), all.reduce((a, b) => Math.max(a, b), -Infinity)];
+    const margin = 0.05 * (high - low) || 1;
+    return [low - margin, high + margin];
+  };
+  const whole = { x: extent("xs"), y: extent("ys") };
+  const range = (key) => (u, low, high) => (u.zoomed ? [low, high] : whole[key]);
+  options.mode = 2;
+  options.scales = { x: { time: false, range: range("x") }, y: { range: range("y") } };
+  options.cursor = { dataIdx: () => null, points: { show: false }, drag: { x: true, y: true } };
+  options.legend = { live: false };
+  options.series = [null, ...curves.map((curve, i) => ({
+    label: curve.name, stroke: INKS[(curve.ink ?? i) % INKS.length], colour: INKS[(curve.ink ?? i) % INKS.length],
+    facets: [{ scale: "x", auto: true }, { scale: "y", auto: true }], paths: polyline(curve.dashed, curve.marks),
+  }))];
+  options.hooks = { setSelect: [(u) => (u.zoomed = u.select.width > 0)] };
+  const plot = new uPlot(options, [null, ...curves.map((c) => [Array.from(c.xs), Array.from(c.ys)])], box);
+  plot.over.addEventListener("dblclick", () => {
+    plot.zoomed = false;
+    plot.setScale("x", { min: whole.x[0], max: whole.x[1] });
+    plot.setScale("y", { min: whole.y[0], max: whole.y[1] });
+  });
+  return sized(plot, box);
+}
+
+/** Curves over an increasing abscissa. */
+function chart(holder, title, x, y, xs, curves, logarithmic = false) {
+  const box = document.createElement("div");
+  holder.append(box);
+  const options = plotOptions(box, title, x, y);
+  const positive = logarithmic ? curves.flatMap((c) => Array.from(c.ys)).filter((v) => v > 0 && Number.isFinite(v)) : [];
+  if (positive.length) {
+    // A power that is not rounded as its literal, as 10 ** n may be, sends uPlot into a loop without end.
+    const power = (n) => Number(`1e${n}`);
+    const [low, high] = [Math.max(positive.reduce((a, b) => Math.min(a, b)), 1e-12 * positive.reduce((a, b) => Math.max(a, b))), positive.reduce((a, b) => Math.max(a, b))];
+    options.scales.y = { distr: 3, range: [power(Math.floor(Math.log10(low))), power(Math.ceil(Math.log10(high * 1.0001)))] };
+  }
+  const value = (u, v) => shortNumber(v);
+  options.series = [{ label: x, value }, ...curves.map((curve, i) => ({ label: curve.name, stroke: INKS[i % INKS.length], width: 2, value, points: { show: xs.length < 40 } }))];
+  const clean = (values) => Array.from(values, (v) => (Number.isFinite(v) && (!logarithmic || v > 0) ? v : null));
+  return sized(new uPlot(options, [Array.from(xs), ...curves.map((c) => clean(c.ys))], box), box);
+}
+
+/** Keeps a plot as wide as its place. */
+function sized(plot, box) {
+  new ResizeObserver(() => plot.setSize({ width: Math.max(280, box.clientWidth), height: 280 })).observe(box);
+  return plot;
+}

@@ -1,0 +1,466 @@
+"use strict";
+/* The page of a report: reads its data, and connects controls, shapes and curves. */
+
+/** Element with attributes, listeners (names beginning with "on") and children. */
+function element(tag, attributes = {}, ...children) {
+  const out = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes))
+    if (name.startsWith("on")) out.addEventListener(name.slice(2), value);
+    else if (name in out) out[name] = value;
+    else out.setAttribute(name, value);
+  out.append(...children);
+  return out;
+}
+
+/** Bytes of a block: base64, compressed by zlib. */
+async function bytesOf(block) {
+  const text = atob(document.getElementById(`block-${block}`).textContent);
+  const packed = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; i++) packed[i] = text.charCodeAt(i);
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Response(stream).arrayBuffer();
+}
+
+/** Values of a rounded field, one list for each instant: codes are differences from the instant before; 65535 is a gap. */
+async function valuesOf(rounded, instants) {
+  const codes = new Uint16Array(await bytesOf(rounded.block)), count = codes.length / instants;
+  const sum = new Uint16Array(count), step = (rounded.greatest - rounded.least) / 65534, out = [];
+  for (let t = 0; t < instants; t++) {
+    const values = new Float32Array(count);
+    for (let i = 0; i < count; i++) {
+      sum[i] += codes[t * count + i];
+      values[i] = sum[i] === 65535 ? NaN : rounded.least + step * sum[i];
+    }
+    out.push(values);
+  }
+  return out;
+}
+
+/** Columns of a table by their names. */
+async function columnsOf(table) {
+  const all = new Float64Array(await bytesOf(table.block));
+  return new Map(table.names.map((name, i) => [name, all.subarray(i * table.rows, (i + 1) * table.rows)]));
+}
+
+/** The scene as typed arrays, with fields decoded on demand. */
+class Shapes {
+  static async read(scene) {
+    const out = new Shapes();
+    out.scene = scene;
+    out.instants = scene.values.length;
+    // The shape of a complex mode a quarter of a period later stands behind it, at the value n + 1/4.
+    out.shown = scene.values.map((v, i) => i).filter((i) => scene.kind === "states" || Number.isInteger(scene.values[i]));
+    out.meshes = [];
+    for (const mesh of scene.meshes) {
+      const displacement = mesh.displacement && (await Promise.all(mesh.displacement.map((d) => valuesOf(d, out.instants))));
+      out.meshes.push({
+        points: mesh.points, outline: mesh.outline, fields: mesh.fields,
+        reference: new Float32Array(await bytesOf(mesh.reference)),
+        quads: new Uint32Array(await bytesOf(mesh.quads)),
+        lines: new Uint32Array(await bytesOf(mesh.lines)),
+        displacement: out.shown && displacement ? scene.values.map((v, t) => displacement.map((d) => d[t])) : null,
+      });
+    }
+    out.cache = new Map();
+    return out;
+  }
+
+  /** Number of the shape a quarter of a period behind that number `i`, if there is one. */
+  quarter(i) {
+    const { values } = this.scene;
+    return values[i + 1] === values[i] + 0.25 ? i + 1 : -1;
+  }
+
+  /** Box of the reference, and the largest displacement at each instant. */
+  extent() {
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity], largest = new Float64Array(this.instants);
+    for (const { reference, displacement, points } of this.meshes) {
+      for (let i = 0; i < reference.length; i++) {
+        low[i % 3] = Math.min(low[i % 3], reference[i]);
+        high[i % 3] = Math.max(high[i % 3], reference[i]);
+      }
+      if (displacement)
+        displacement.forEach((u, t) => {
+          for (let i = 0; i < points; i++) largest[t] = Math.max(largest[t], Math.hypot(u[0][i], u[1][i], u[2][i]) || 0);
+        });
+    }
+    return { low, high, largest, size: Math.hypot(...high.map((h, i) => h - low[i])) || 1 };
+  }
+
+  /** Fields by which the shells can be coloured, as pairs of name and label. */
+  choices() {
+    const shells = this.meshes.find((m) => !m.outline);
+    if (!shells) return [];
+    const out = shells.displacement ? ["magnitude", "x", "y", "z"].map((c) => [`displacement/${c}`, `displacement ${c}`]) : [];
+    for (const { name, components } of shells.fields)
+      for (const [component] of components) out.push([`${name}/${component}`, `${name.replaceAll("_", " ")} ${component}`.trim()]);
+    return out;
+  }
+
+  /** Values of a field at all instants. */
+  async field(choice) {
+    if (!this.cache.has(choice)) this.cache.set(choice, await this.decode(choice));
+    return this.cache.get(choice);
+  }
+
+  async decode(choice) {
+    const shells = this.meshes.find((m) => !m.outline), [name, component] = choice.split("/");
+    if (name === "displacement") {
+      const c = ["x", "y", "z"].indexOf(component);
+      const size = ([x, y, z]) => x.map((_, i) => Math.hypot(x[i], y[i], z[i]));
+      return { atPoints: true, values: shells.displacement.map((u) => (c < 0 ? size(u) : u[c])) };
+    }
+    const field = shells.fields.find((f) => f.name === name);
+    const [, rounded] = field.components.find(([c]) => c === component);
+    return { atPoints: field.at_points, values: await valuesOf(rounded, this.instants) };
+  }
+}
+
+/** Least and greatest finite value. */
+function rangeOf(lists) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const values of lists)
+    for (const v of values) {
+      if (v < low && v > -Infinity) low = v;
+      if (v > high && v < Infinity) high = v;
+    }
+  return [low, high];
+}
+
+/** A number of the series 1, 2, 5, 10, … not above x. */
+function rounded125(x) {
+  const power = 10 ** Math.floor(Math.log10(x));
+  return power * [5, 2, 1].find((f) => f * power <= x * (1 + 1e-9));
+}
+
+/** Controls and state of the shapes. */
+class Stage {
+  constructor(holder, parts) {
+    this.list = parts.flatMap((part) => part.scenes.map((scene) => ({ part, scene })));
+    this.playing = false;
+    const button = (text, title, onclick) => element("button", { type: "button", title, onclick }, text);
+    const labelled = (text, control) => element("label", {}, text, " ", control);
+    this.canvas = element("canvas", { tabIndex: 0 });
+    this.canvas.setAttribute("aria-label", "shape of the model; drag to turn, wheel to zoom, shift and drag to move");
+    this.picker = element("select", { onchange: () => this.open(this.picker.selectedIndex) }, ...this.list.map(({ part, scene }) => element("option", {}, part.name ? `${part.name}: ${scene.name}` : scene.name)));
+    this.field = element("select", { onchange: () => this.recolour() });
+    this.each = element("select", { onchange: () => this.recolour() }, element("option", { value: "all" }, "all states"), element("option", { value: "one" }, "this state"));
+    this.map = element("select", { onchange: () => { this.viewer.map(this.map.value); this.legend(); } }, ...Object.keys(MAPS).map((name) => element("option", {}, name)));
+    this.slider = element("input", { type: "range", min: 0, step: 1, oninput: () => this.at(Number(this.slider.value)) });
+    this.slider.setAttribute("aria-label", "state");
+    this.play = button("▶", "play or pause (space)", () => this.toggle());
+    this.label = element("output");
+    this.scale = element("input", { type: "number", step: "any", size: 7, onchange: () => this.update() });
+    this.colours = element("span", { className: "group" }, labelled("colour", this.field), labelled("range of", this.each), labelled("map", this.map));
+    const tick = (key, text) => labelled(text, element("input", { type: "checkbox", checked: true, onchange: (e) => { this.viewer.show[key] = e.target.checked; this.viewer.redraw(); } }));
+    this.bar = element("div", { className: "bar" });
+    this.triad = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+    this.triad.setAttribute("class", "triad");
+    this.node = element("div", { className: "node" }, element("p", {}, "Click on a shell to see values over time at its nearest node."));
+    holder.append(
+      element("div", { className: "controls" }, ...(this.list.length > 1 ? [labelled("show", this.picker)] : []), this.colours, labelled("displacements ×", this.scale), tick("edges", "edges"), tick("undeformed", "undeformed"), button("reset view", "first direction of view (r)", () => this.viewer.reset()), button("save picture", "save the picture as PNG", () => this.save())),
+      element("div", { className: "stage" }, this.canvas, this.bar, this.triad),
+      element("div", { className: "time" }, this.play, this.slider, this.label),
+      element("p", { className: "hint" }, "Drag to turn, wheel to zoom, shift and drag to move. Keys: space, ← →, + −, r."),
+      this.node,
+    );
+    this.viewer = new Viewer(this.canvas);
+    this.viewer.onpick = (found) => this.pick(found);
+    this.viewer.ondraw = () => this.drawTriad();
+    document.addEventListener("keydown", (e) => this.key(e));
+  }
+
+  /** Shows another scene. */
+  async open(index) {
+    const { scene } = this.list[index];
+    this.playing = false;
+    this.play.textContent = "▶";
+    this.shapes = await Shapes.read(scene);
+    this.box = this.shapes.extent();
+    this.modes = scene.kind === "modes";
+    const largest = this.box.largest.reduce((a, b) => Math.max(a, b), 0);
+    const small = largest > 0 && largest < 0.02 * this.box.size;
+    this.scale.value = this.modes || !small ? 1 : rounded125((0.1 * this.box.size) / largest);
+    this.slider.max = this.shapes.shown.length - 1;
+    this.each.value = this.modes ? "one" : "all";
+    const kept = this.field.value, choices = this.shapes.choices();
+    this.colours.hidden = this.node.hidden = !choices.length;
+    this.field.replaceChildren(...choices.map(([value, label]) => element("option", { value }, label)));
+    const first = ["von_mises/", "displacement/magnitude"].find((name) => choices.some(([value]) => value === name));
+    this.field.value = choices.some(([value]) => value === kept) ? kept : this.modes ? "displacement/magnitude" : first || "";
+    this.viewer.load(this.shapes.meshes);
+    this.viewer.fit(...this.swept());
+    this.slider.value = this.modes ? this.firstElastic() : this.slider.max;
+    this.phase = 1;
+    await this.recolour();
+  }
+
+  /** Box of the shapes that are shown, those of modes and those of at most fifty states. */
+  swept() {
+    const { shapes, modes, box } = this, low = [...box.low], high = [...box.high];
+    if (modes) return [low.map((x) => x - 0.05 * box.size), high.map((x) => x + 0.05 * box.size)];
+    const scale = Number(this.scale.value), stride = Math.ceil(shapes.instants / 50);
+    for (const { reference, displacement, points } of shapes.meshes) {
+      if (!displacement) continue;
+      for (let t = shapes.instants - 1; t >= 0; t -= stride)
+        for (let i = 0; i < points; i++)
+          for (let c = 0; c < 3; c++) {
+            const x = reference[3 * i + c] + scale * displacement[t][c][i];
+            if (x < low[c]) low[c] = x;
+            if (x > high[c]) high[c] = x;
+          }
+    }
+    return [low, high];
+  }
+
+  /** Place of the first mode that is not rigid. */
+  firstElastic() {
+    const rigid = this.list[this.picker.selectedIndex < 0 ? 0 : this.picker.selectedIndex].part.rigid;
+    const found = this.shapes.shown.findIndex((_, i) => !(rigid && rigid[i]));
+    return Math.max(found, 0);
+  }
+
+  get instant() {
+    return this.shapes.shown[Number(this.slider.value)];
+  }
+
+  /** Colours by the chosen field. */
+  async recolour() {
+    this.chosen = this.field.value ? await this.shapes.field(this.field.value) : null;
+    this.update();
+  }
+
+  at(place) {
+    this.slider.value = place;
+    this.update();
+  }
+
+  /** Draws the present state. */
+  update() {
+    const { shapes, viewer, chosen, instant } = this, scale = Number(this.scale.value);
+    if (!shapes) return;
+    const factor = this.modes ? (scale * 0.1 * this.box.size) / (this.box.largest[instant] || 1) : scale;
+    const quarter = shapes.quarter(instant), turn = Math.asin(this.phase ?? 1);
+    viewer.meshes.forEach((drawn) => {
+      const u = drawn.mesh.displacement, parts = [];
+      if (u && quarter < 0) parts.push([u[instant], this.modes ? factor * (this.phase ?? 1) : factor]);
+      else if (u) parts.push([u[instant], factor * Math.cos(this.angle ?? turn)], [u[quarter], factor * Math.sin(this.angle ?? turn)]);
+      drawn.move(parts);
+      if (drawn.mesh.outline || !chosen) drawn.colour(null);
+      else drawn.colour(chosen.values[instant], chosen.atPoints);
+    });
+    if (chosen) {
+      let [low, high] = this.each.value === "one" ? rangeOf([chosen.values[instant]]) : (chosen.range ??= rangeOf(chosen.values));
+      if (this.map.value === "diverging") [low, high] = [-Math.max(-low, high), Math.max(-low, high)];
+      viewer.range = low <= high ? [low, high] : [0, 0];
+    }
+    this.label.textContent = this.labelOf(instant);
+    this.slider.setAttribute("aria-valuetext", this.label.textContent);
+    this.legend();
+    viewer.redraw();
+  }
+
+  labelOf(i) {
+    const { scene } = this.shapes;
+    return scene.labels[i] || `${scene.parameter} ${shortNumber(scene.values[i])}`;
+  }
+
+  legend() {
+    if (!this.chosen) return this.bar.replaceChildren();
+    const map = MAPS[this.map.value], [low, high] = this.viewer.range;
+    const stops = map.map((_, i) => `rgb(${colourAt(map, i / (map.length - 1))})`).reverse();
+    const ticks = [1, 0.75, 0.5, 0.25, 0].map((t) => element("span", {}, shortNumber(Number((low + t * (high - low)).toPrecision(4)))));
+    this.bar.replaceChildren(element("b", {}, this.field.selectedOptions[0]?.textContent || ""), element("div", { className: "ramp", style: `background: linear-gradient(${stops})` }), element("div", { className: "ticks" }, ...ticks));
+  }
+
+  drawTriad() {
+    const { right, up } = this.viewer.axes();
+    this.triad.innerHTML = ["x", "y", "z"].map((name, i) => {
+      const [x, y] = [40 + 26 * right[i], 40 - 26 * up[i]], [tx, ty] = [40 + 35 * right[i], 44 - 35 * up[i]];
+      return `<line x1="40" y1="40" x2="${x}" y2="${y}"/><text x="${tx}" y="${ty}">${name}</text>`;
+    }).join("");
+  }
+
+  toggle() {
+    this.playing = !this.playing;
+    this.play.textContent = this.playing ? "⏸" : "▶";
+    if (!this.playing) {
+      [this.phase, this.angle] = [1, undefined];
+      return this.update();
+    }
+    const last = Number(this.slider.max), { values } = this.shapes.scene, span = values[this.shapes.shown[last]] - values[0];
+    // A series lasts six seconds, a period of a mode 1.6.
+    const begin = performance.now(), from = Number(this.slider.value) >= last ? 0 : Number(this.slider.value);
+    const start = span > 0 ? (values[this.shapes.shown[from]] - values[0]) / span : from / (last || 1);
+    const step = (now) => {
+      if (!this.playing) return;
+      const seconds = Math.max(0, now - begin) / 1000;
+      if (this.modes) {
+        this.angle = (2 * Math.PI * seconds) / 1.6;
+        this.phase = Math.cos(this.angle);
+        this.update();
+      } else {
+        const t = (start + seconds / 6) % 1.08;
+        let place = Math.min(last, Math.round(t * last));
+        if (span > 0 && t < 1) {
+          const value = values[0] + t * span;
+          place = 0;
+          while (place < last && values[this.shapes.shown[place + 1]] <= value) place++;
+        }
+        if (place !== Number(this.slider.value)) this.at(place);
+      }
+      requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+  }
+
+  key(e) {
+    if (["INPUT", "SELECT", "TEXTAREA"].includes(e.target.tagName) && e.target.type !== "range" && e.target.type !== "checkbox") return;
+    if (e.ctrlKey || e.metaKey || e.altKey || !this.shapes) return;
+    const move = (by) => this.at(Math.max(0, Math.min(Number(this.slider.max), Number(this.slider.value) + by)));
+    const scaled = (by) => { this.scale.value = Number((Number(this.scale.value) * by).toPrecision(6)); this.update(); };
+    const actions = { " ": () => this.toggle(), ArrowLeft: () => move(-1), ArrowRight: () => move(1), "+": () => scaled(1.25), "-": () => scaled(0.8), r: () => this.viewer.reset() };
+    if (!actions[e.key] || (e.key === " " && e.target.tagName === "BUTTON")) return;
+    e.preventDefault();
+    actions[e.key]();
+  }
+
+  /** Values over time at a node. */
+  pick({ mesh, point }) {
+    const { shapes, chosen, modes } = this, shells = shapes.meshes[mesh], { reference, displacement, quads } = shells;
+    const place = [0, 1, 2].map((c) => shortNumber(reference[3 * point + c])).join(", ");
+    const curves = displacement ? ["x", "y", "z"].map((name, c) => ({ name: `displacement ${name}`, ys: displacement.map((u) => u[c][point]) })) : [];
+    this.picked = { point, curves };
+    this.node.replaceChildren(element("p", {}, `Node ${point} (counted from 0, as in the files) at (${place})`));
+    if (modes || shapes.instants < 2) {
+      this.node.append(element("p", {}, curves.map((c) => `${c.name} ${shortNumber(c.ys[this.instant])}`).join(", ")));
+      return;
+    }
+    const { values, parameter } = shapes.scene;
+    if (curves.length) chart(this.node, "displacement at the node", parameter, "displacement", values, curves);
+    if (!chosen || this.field.value.startsWith("displacement/")) return;
+    const name = this.field.selectedOptions[0].textContent, cells = [];
+    for (let q = 0; q < quads.length; q++) if (quads[q] === point && cells[cells.length - 1] !== q >> 2) cells.push(q >> 2);
+    const at = (v) => (chosen.atPoints ? v[point] : cells.reduce((sum, q) => sum + v[q], 0) / cells.length);
+    const what = chosen.atPoints ? name : `${name}, mean of the elements at the node`;
+    this.picked.field = chosen.values.map(at);
+    chart(this.node, what, parameter, name, values, [{ name, ys: this.picked.field }]);
+  }
+
+  save() {
+    this.viewer.draw();
+    this.canvas.toBlob((blob) => {
+      const link = element("a", { href: URL.createObjectURL(blob), download: "shape.png" });
+      link.click();
+      URL.revokeObjectURL(link.href);
+    });
+  }
+}
+
+/** Largest number of curves in one plot. */
+const MOST_CURVES = 7;
+const ENERGIES = ["kinetic", "strain", "potential", "work", "dissipated", "total"];
+
+/** Curves of the history of a part. */
+async function histories(holder, part) {
+  const columns = await columnsOf(part.history), names = part.history.names, first = columns.get(names[0]);
+  const points = names.filter((n) => n.endsWith(".ux") && columns.has(n.slice(0, -3) + ".x")).map((n) => n.slice(0, -3));
+  const dynamic = part.analysis === "transient", parameter = dynamic ? "time" : "load factor";
+  const position = columns.get("path.position"), unstable = columns.get("path.negative_eigenvalues");
+  if (dynamic)
+    for (const point of points.slice(0, 4))
+      chart(holder, `displacement of ${point}`, parameter, "displacement", first, ["ux", "uy", "uz"].map((c) => ({ name: c, ys: columns.get(`${point}.${c}`) })));
+  else {
+    const size = (n) => columns.get(n).reduce((a, v) => Math.max(a, Math.abs(v) || 0), 0);
+    const all = points.flatMap((p) => ["ux", "uy", "uz"].map((c) => `${p}.${c}`)), largest = Math.max(0, ...all.map(size));
+    const moving = all.filter((n) => size(n) > 1e-6 * largest).slice(0, MOST_CURVES);
+    const dashed = unstable && Array.from(unstable, (n) => n > 0);
+    const curves = moving.map((n) => ({ name: n, xs: columns.get(n), ys: first, dashed }));
+    for (const kind of ["limit", "bifurcation"]) {
+      const found = part.critical_points.filter((c) => c.kind === kind), xs = [], ys = [];
+      for (const { position: at, load_factor } of found)
+        for (const n of moving) {
+          const i = Math.max(1, position.findIndex((p) => p >= at)), u = columns.get(n);
+          const w = (at - position[i - 1]) / (position[i] - position[i - 1] || 1);
+          xs.push(u[i - 1] + w * (u[i] - u[i - 1]));
+          ys.push(load_factor);
+        }
+      if (xs.length) curves.push({ name: kind === "limit" ? "limit point" : kind, xs, ys, marks: true, ink: kind === "limit" ? 6 : 3 });
+    }
+    if (curves.length) diagram(holder, unstable ? "equilibrium path (dashed: unstable)" : "load factor over displacement", "displacement", "load factor", curves);
+  }
+  const energies = ENERGIES.filter((n) => columns.has(n)).map((n) => ({ name: n, ys: columns.get(n) }));
+  if (energies.length) chart(holder, "energies", position ? "position on the path" : parameter, "energy", position || first, energies);
+  if (dynamic && columns.has("step_size")) chart(holder, "step size", parameter, "step size", first, [{ name: "step size", ys: columns.get("step_size") }]);
+  chooser(holder, columns, names);
+}
+
+/** A plot of any column over any other. */
+function chooser(holder, columns, names) {
+  const box = element("div"), place = element("div");
+  const select = (value) => element("select", { onchange: () => draw() }, ...names.map((n) => element("option", { selected: n === value }, n)));
+  const size = (n) => columns.get(n).reduce((a, v) => Math.max(a, Math.abs(v) || 0), 0);
+  const moving = names.filter((n) => /\.u[xyz]$/.test(n)).sort((a, b) => size(b) - size(a))[0];
+  const [x, y] = [select(names[0]), select(moving || names[1] || names[0])];
+  const draw = () => {
+    place.replaceChildren();
+    diagram(place, `${y.value} over ${x.value}`, x.value, y.value, [{ name: y.value, xs: columns.get(x.value), ys: columns.get(y.value) }]);
+  };
+  box.append(element("p", {}, element("label", {}, "any column: ", y), element("label", {}, " over ", x)), place);
+  holder.append(box);
+  y.addEventListener("change", draw);
+  draw();
+}
+
+/** Amplitudes of the response over the frequency. */
+async function responses(holder, part) {
+  const columns = await columnsOf(part.response), names = part.response.names;
+  const peak = (n) => columns.get(n).reduce((a, v) => Math.max(a, v || 0), 0);
+  const sorted = names.filter((n) => n.endsWith(".amplitude")).sort((a, b) => peak(b) - peak(a));
+  // Amplitudes of round-off are not drawn.
+  const shown = sorted.filter((n) => peak(n) > 1e-9 * peak(sorted[0])).slice(0, MOST_CURVES);
+  if (!shown.length) return;
+  chart(holder, "frequency response", "frequency", "amplitude", columns.get(names[0]), shown.map((n) => ({ name: n.slice(0, -10), ys: columns.get(n) })), true);
+}
+
+/** Labels the states of a path by their load factors. */
+async function loadsOfStates(part) {
+  const columns = await columnsOf(part.history), position = columns.get("path.position"), loads = columns.get(part.history.names[0]);
+  const states = part.scenes.find((scene) => scene.kind === "states");
+  if (!states || !position) return;
+  states.labels = states.values.map((value) => {
+    const i = position.reduce((best, p, k) => (Math.abs(p - value) < Math.abs(position[best] - value) ? k : best), 0);
+    return `load factor ${shortNumber(loads[i])}`;
+  });
+}
+
+async function start() {
+  const { parts } = JSON.parse(document.getElementById("data").textContent), plots = document.getElementById("plots");
+  for (const part of parts)
+    if (part.modes) {
+      const rigid = (await columnsOf(part.modes)).get("rigid");
+      part.rigid = rigid && Array.from(rigid, Boolean);
+    }
+  for (const part of parts) if (part.analysis === "path" && part.history) await loadsOfStates(part);
+  const state = { parts, stage: null };
+  if (parts.some((part) => part.scenes.length)) {
+    try {
+      state.stage = new Stage(document.getElementById("scene"), parts);
+      await state.stage.open(0);
+    } catch (error) {
+      document.getElementById("scene").replaceChildren(element("p", { className: "warnings" }, `The shapes cannot be shown: ${error.message}.`));
+    }
+  } else document.getElementById("shapes").remove();
+  for (const part of parts) {
+    if (!part.history && !part.response) continue;
+    if (part.name) plots.append(element("h3", {}, part.name));
+    const holder = element("div", { className: "plots" });
+    plots.append(holder);
+    if (part.history) await histories(holder, part);
+    if (part.response) await responses(holder, part);
+  }
+  if (!plots.children.length) document.getElementById("curves").remove();
+  return state;
+}
+
+window.report = start();

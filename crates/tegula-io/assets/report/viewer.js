@@ -1,0 +1,378 @@
+"use strict";
+/* Shapes in three dimensions by WebGL 2: meshes of quadrilaterals and lines, coloured by a field. */
+
+/** Colour maps: colours at equal distances, as hexadecimal numbers. Both are readable by colour-blind people. */
+const MAPS = {
+  // viridis (S. van der Walt, N. Smith; CC0)
+  viridis: [0x440154, 0x482475, 0x414487, 0x355f8d, 0x2a788e, 0x21918c, 0x22a884, 0x44bf70, 0x7ad151, 0xbddf26, 0xfde725],
+  // blue over light grey to orange, for values of both signs
+  diverging: [0x08519c, 0x3182bd, 0x6baed6, 0xb3cde3, 0xececec, 0xfdd0a2, 0xfd8d3c, 0xd94801, 0x8c2d04],
+};
+const GREY = [0.72, 0.74, 0.77];
+
+const SURFACE = {
+  vertex: `#version 300 es
+    uniform mat4 camera; in vec3 position; in float value;
+    out vec3 place; out float shade;
+    void main() { place = position; shade = value; gl_Position = camera * vec4(position, 1.0); }`,
+  fragment: `#version 300 es
+    precision highp float;
+    uniform sampler2D map; uniform vec2 range; uniform vec3 eye; uniform vec3 plain; uniform bool coloured;
+    in vec3 place; in float shade; out vec4 colour;
+    void main() {
+      vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
+      vec3 view = normalize(eye - place);
+      float light = 0.55 + 0.45 * abs(dot(normal, view));
+      bool missing = isnan(shade) || isinf(shade);
+      float t = range.y > range.x ? clamp((shade - range.x) / (range.y - range.x), 0.0, 1.0) : 0.5;
+      vec3 base = coloured && !missing ? texture(map, vec2(t, 0.5)).rgb : plain;
+      colour = vec4(base * light, 1.0);
+    }`,
+};
+const LINE = {
+  vertex: `#version 300 es
+    uniform mat4 camera; uniform vec2 aside; in vec3 position;
+    void main() {
+      gl_Position = camera * vec4(position, 1.0);
+      gl_Position.z -= 2e-4 * gl_Position.w;
+      gl_Position.xy += aside * gl_Position.w;
+    }`,
+  fragment: `#version 300 es
+    precision highp float; uniform vec4 ink; out vec4 colour;
+    void main() { colour = ink; }`,
+};
+
+/** Colour of a map at t between 0 and 1, channels 0 to 255. */
+function colourAt(map, t) {
+  const at = t * (map.length - 1), i = Math.min(Math.floor(at), map.length - 2), w = at - i;
+  return [16, 8, 0].map((s) => Math.round(((map[i] >> s) & 255) * (1 - w) + ((map[i + 1] >> s) & 255) * w));
+}
+
+/** Product of matrices stored by columns. */
+function times(a, b) {
+  const out = new Float32Array(16);
+  for (let c = 0; c < 4; c++)
+    for (let r = 0; r < 4; r++)
+      for (let k = 0; k < 4; k++) out[4 * c + r] += a[4 * k + r] * b[4 * c + k];
+  return out;
+}
+
+/** A mesh on the graphics card. Each cell has corners of its own, so that values of cells end at its edges. */
+class DrawnMesh {
+  constructor(gl, mesh) {
+    this.gl = gl;
+    this.mesh = mesh;
+    const { quads, lines } = mesh, nq = quads.length / 4, nl = lines.length / 2;
+    this.count = 4 * nq + 2 * nl;
+    this.node = new Uint32Array(this.count);
+    this.cell = new Uint32Array(this.count);
+    this.node.set(quads);
+    this.node.set(lines, 4 * nq);
+    for (let i = 0; i < this.count; i++) this.cell[i] = i < 4 * nq ? i >> 2 : nq + ((i - 4 * nq) >> 1);
+    const triangles = new Uint32Array(6 * nq), edges = [], seen = new Map();
+    for (let q = 0; q < nq; q++) {
+      const v = 4 * q;
+      triangles.set([v, v + 1, v + 2, v, v + 2, v + 3], 6 * q);
+      for (let e = 0; e < 4; e++) {
+        const a = quads[v + e], b = quads[v + ((e + 1) & 3)];
+        if (a === b) continue;
+        const key = Math.min(a, b) * mesh.points + Math.max(a, b), number = seen.get(key) || 0;
+        if (!number) edges.push(v + e, v + ((e + 1) & 3));
+        seen.set(key, number + 1);
+      }
+    }
+    for (let l = 0; l < 2 * nl; l++) edges.push(4 * nq + l);
+    const rim = [];
+    for (const [key, number] of seen) if (number === 1) rim.push(Math.floor(key / mesh.points), key % mesh.points);
+    this.positions = new Float32Array(3 * this.count);
+    this.values = new Float32Array(this.count);
+    this.moved = new Float32Array(3 * mesh.points);
+    this.buffers = {
+      positions: gl.createBuffer(), values: gl.createBuffer(), reference: gl.createBuffer(),
+      triangles: this.indices(triangles), edges: this.indices(new Uint32Array(edges)), rim: this.indices(new Uint32Array(rim)),
+    };
+    this.sizes = { triangles: 6 * nq, edges: edges.length, lines: 2 * nl, rim: rim.length };
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers.reference);
+    gl.bufferData(gl.ARRAY_BUFFER, mesh.reference, gl.STATIC_DRAW);
+  }
+
+  indices(data) {
+    const gl = this.gl, buffer = gl.createBuffer();
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffer);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, data, gl.STATIC_DRAW);
+    return buffer;
+  }
+
+  /** Moves the points by the sum of shapes, each a list of displacements along x, y and z with its factor. */
+  move(shapes) {
+    const { mesh, moved, node, positions, gl } = this;
+    moved.set(mesh.reference);
+    for (const [shape, factor] of shapes)
+      for (let c = 0; c < 3; c++) {
+        const u = shape[c];
+        for (let i = 0; i < mesh.points; i++) moved[3 * i + c] += factor * u[i];
+      }
+    for (let i = 0; i < this.count; i++)
+      for (let c = 0; c < 3; c++) positions[3 * i + c] = moved[3 * node[i] + c];
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers.positions);
+    gl.bufferData(gl.ARRAY_BUFFER, positions, gl.DYNAMIC_DRAW);
+  }
+
+  /** Colours by values at the points or of the cells; by one colour without values. */
+  colour(values, atPoints) {
+    const { gl } = this;
+    this.coloured = Boolean(values);
+    if (values) {
+      const index = atPoints ? this.node : this.cell;
+      for (let i = 0; i < this.count; i++) this.values[i] = values[index[i]];
+    }
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers.values);
+    gl.bufferData(gl.ARRAY_BUFFER, this.values, gl.DYNAMIC_DRAW);
+  }
+}
+
+/** Camera, pointer and drawing. */
+class Viewer {
+  constructor(canvas) {
+    this.canvas = canvas;
+    const gl = (this.gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true }));
+    if (!gl) throw new Error("this browser has no WebGL 2");
+    this.surface = this.program(SURFACE);
+    this.line = this.program(LINE);
+    this.texture = gl.createTexture();
+    this.meshes = [];
+    this.range = [0, 1];
+    this.show = { edges: true, undeformed: true };
+    this.view = { azimuth: -60, elevation: 25, distance: 1, target: [0, 0, 0], size: 1 };
+    this.home = null;
+    this.onpick = () => {};
+    this.ondraw = () => {};
+    this.map("viridis");
+    this.listen();
+    new ResizeObserver(() => this.redraw()).observe(canvas);
+  }
+
+  program(source) {
+    const gl = this.gl, program = gl.createProgram();
+    for (const [kind, text] of [[gl.VERTEX_SHADER, source.vertex], [gl.FRAGMENT_SHADER, source.fragment]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+      gl.attachShader(program, shader);
+    }
+    gl.bindAttribLocation(program, 0, "position");
+    gl.bindAttribLocation(program, 1, "value");
+    gl.linkProgram(program);
+    return { program, at: (name) => gl.getUniformLocation(program, name) };
+  }
+
+  /** Chooses a colour map. */
+  map(name) {
+    const gl = this.gl, pixels = new Uint8Array(4 * 256);
+    for (let i = 0; i < 256; i++) pixels.set([...colourAt(MAPS[name], i / 255), 255], 4 * i);
+    gl.bindTexture(gl.TEXTURE_2D, this.texture);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    for (const [key, value] of [[gl.TEXTURE_MIN_FILTER, gl.LINEAR], [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
+      [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]]) gl.texParameteri(gl.TEXTURE_2D, key, value);
+    this.redraw();
+  }
+
+  /** Shows other meshes. */
+  load(meshes) {
+    for (const drawn of this.meshes) Object.values(drawn.buffers).forEach((b) => this.gl.deleteBuffer(b));
+    this.meshes = meshes.map((mesh) => new DrawnMesh(this.gl, mesh));
+  }
+
+  /** Looks at a box from the first direction. */
+  fit(low, high) {
+    const size = Math.hypot(...high.map((h, i) => h - low[i])) || 1;
+    const target = high.map((h, i) => (h + low[i]) / 2);
+    const { width, height } = this.canvas.getBoundingClientRect();
+    const narrow = Math.min(1, (width || 1) / (height || 1));
+    this.home = { azimuth: -60, elevation: 25, distance: (1.75 * size) / Math.max(narrow, 0.3), target, size };
+    this.reset();
+  }
+
+  reset() {
+    this.view = { ...this.home, target: [...this.home.target] };
+    this.redraw();
+  }
+
+  /** Directions to the right, upwards and towards the viewer. */
+  axes() {
+    const [a, e] = [this.view.azimuth, this.view.elevation].map((x) => (x * Math.PI) / 180);
+    const [sa, ca, se, ce] = [Math.sin(a), Math.cos(a), Math.sin(e), Math.cos(e)];
+    return { right: [-sa, ca, 0], up: [-se * ca, -se * sa, ce], near: [ce * ca, ce * sa, se] };
+  }
+
+  eye() {
+    const { near } = this.axes();
+    return this.view.target.map((x, i) => x + this.view.distance * near[i]);
+  }
+
+  camera() {
+    const { right, up, near } = this.axes(), eye = this.eye(), { width, height } = this.canvas;
+    const dot = (a) => -(a[0] * eye[0] + a[1] * eye[1] + a[2] * eye[2]);
+    const look = new Float32Array([right[0], up[0], near[0], 0, right[1], up[1], near[1], 0, right[2], up[2], near[2], 0, dot(right), dot(up), dot(near), 1]);
+    const f = 1 / Math.tan((16 * Math.PI) / 180), { distance, size } = this.view;
+    const far = distance + 3 * size, close = Math.max(distance - 3 * size, distance / 100);
+    const lens = new Float32Array([(f * height) / width, 0, 0, 0, 0, f, 0, 0, 0, 0, -(far + close) / (far - close), -1, 0, 0, (-2 * far * close) / (far - close), 0]);
+    return times(lens, look);
+  }
+
+  redraw() {
+    if (this.due) return;
+    this.due = requestAnimationFrame(() => {
+      this.due = 0;
+      this.draw();
+    });
+  }
+
+  draw() {
+    const { gl, canvas } = this, box = canvas.getBoundingClientRect(), ratio = Math.min(window.devicePixelRatio || 1, 2);
+    const [w, h] = [Math.max(1, Math.round(box.width * ratio)), Math.max(1, Math.round(box.height * ratio))];
+    if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
+    gl.viewport(0, 0, w, h);
+    gl.clearColor(1, 1, 1, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.DEPTH_TEST);
+    const camera = this.camera();
+    gl.useProgram(this.surface.program);
+    gl.uniformMatrix4fv(this.surface.at("camera"), false, camera);
+    gl.uniform3fv(this.surface.at("eye"), this.eye());
+    gl.uniform2fv(this.surface.at("range"), this.range);
+    gl.uniform3fv(this.surface.at("plain"), GREY);
+    gl.bindTexture(gl.TEXTURE_2D, this.texture);
+    for (const drawn of this.meshes) {
+      gl.uniform1i(this.surface.at("coloured"), drawn.coloured ? 1 : 0);
+      this.bind(0, drawn.buffers.positions, 3);
+      this.bind(1, drawn.buffers.values, 1);
+      this.elements(gl.TRIANGLES, drawn.buffers.triangles, drawn.sizes.triangles);
+    }
+    gl.disableVertexAttribArray(1);
+    gl.useProgram(this.line.program);
+    gl.uniformMatrix4fv(this.line.at("camera"), false, camera);
+    for (const drawn of this.meshes) {
+      const { edges, lines, rim } = drawn.sizes, ink = this.line.at("ink"), aside = this.line.at("aside");
+      this.bind(0, drawn.buffers.positions, 3);
+      gl.uniform4f(ink, 0.12, 0.13, 0.15, 1);
+      gl.uniform2f(aside, 0, 0);
+      if (this.show.edges && !drawn.mesh.outline) this.elements(gl.LINES, drawn.buffers.edges, edges - lines);
+      // Lines of WebGL are one pixel wide; those of bodies, beams and springs are drawn several times beside each other.
+      gl.uniform4f(ink, 0.24, 0.29, 0.36, 1);
+      for (const [x, y] of [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]]) {
+        gl.uniform2f(aside, (2 * x * ratio) / w, (2 * y * ratio) / h);
+        this.elements(gl.LINES, drawn.buffers.edges, lines, 4 * (edges - lines));
+      }
+      gl.uniform2f(aside, 0, 0);
+      if (this.show.undeformed) {
+        gl.uniform4f(ink, 0.55, 0.57, 0.6, 1);
+        this.bind(0, drawn.buffers.reference, 3);
+        this.elements(gl.LINES, drawn.buffers.rim, drawn.mesh.outline ? 0 : rim);
+      }
+    }
+    this.frames = (this.frames || 0) + 1;
+    this.ondraw();
+  }
+
+  bind(place, buffer, size) {
+    const { gl } = this;
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.enableVertexAttribArray(place);
+    gl.vertexAttribPointer(place, size, gl.FLOAT, false, 0, 0);
+  }
+
+  elements(mode, buffer, count, offset = 0) {
+    if (!count) return;
+    this.gl.bindBuffer(this.gl.ELEMENT_ARRAY_BUFFER, buffer);
+    this.gl.drawElements(mode, count, this.gl.UNSIGNED_INT, offset);
+  }
+
+  /** Place of a point on the canvas, and its distance. */
+  project(x) {
+    const m = this.camera(), box = this.canvas.getBoundingClientRect();
+    const [a, b, , w] = [0, 1, 2, 3].map((r) => m[r] * x[0] + m[4 + r] * x[1] + m[8 + r] * x[2] + m[12 + r]);
+    return [(0.5 + a / w / 2) * box.width, (0.5 - b / w / 2) * box.height, w];
+  }
+
+  /** The point of a mesh near a place of the canvas that is closest to the viewer. */
+  pick(px, py) {
+    let best = null;
+    this.meshes.forEach(({ mesh, moved }, m) => {
+      if (mesh.outline) return;
+      for (let i = 0; i < mesh.points; i++) {
+        const [x, y, depth] = this.project([moved[3 * i], moved[3 * i + 1], moved[3 * i + 2]]);
+        const distance = Math.hypot(x - px, y - py);
+        if (distance > 14) continue;
+        const rank = depth / this.view.size + distance / 14;
+        if (!best || rank < best.rank) best = { rank, mesh: m, point: i };
+      }
+    });
+    return best;
+  }
+
+  listen() {
+    const { canvas } = this, pointers = new Map();
+    let moved = 0, spread = 0;
+    const place = (e) => [e.clientX, e.clientY];
+    const distance = () => {
+      const [a, b] = [...pointers.values()];
+      return Math.hypot(a[0] - b[0], a[1] - b[1]);
+    };
+    canvas.addEventListener("contextmenu", (e) => e.preventDefault());
+    canvas.addEventListener("pointerdown", (e) => {
+      canvas.setPointerCapture(e.pointerId);
+      pointers.set(e.pointerId, place(e));
+      moved = 0;
+      if (pointers.size === 2) spread = distance();
+    });
+    canvas.addEventListener("pointermove", (e) => {
+      const before = pointers.get(e.pointerId);
+      if (!before) return;
+      const [dx, dy] = [e.clientX - before[0], e.clientY - before[1]];
+      pointers.set(e.pointerId, place(e));
+      moved += Math.abs(dx) + Math.abs(dy);
+      if (pointers.size === 2) {
+        const now = distance();
+        this.zoom(spread / (now || 1));
+        spread = now;
+        this.pan(dx / 2, dy / 2);
+      } else if (e.shiftKey || e.buttons & 6) this.pan(dx, dy);
+      else this.turn(-0.4 * dx, 0.4 * dy);
+    });
+    const up = (e) => {
+      if (pointers.delete(e.pointerId) && moved < 5 && e.type === "pointerup") {
+        const box = canvas.getBoundingClientRect();
+        const found = this.pick(e.clientX - box.left, e.clientY - box.top);
+        if (found) this.onpick(found);
+      }
+    };
+    canvas.addEventListener("pointerup", up);
+    canvas.addEventListener("pointercancel", up);
+    canvas.addEventListener("wheel", (e) => {
+      e.preventDefault();
+      this.zoom(Math.exp(Math.max(-0.5, Math.min(0.5, 0.0015 * e.deltaY))));
+    }, { passive: false });
+  }
+
+  turn(right, up) {
+    this.view.azimuth += right;
+    this.view.elevation = Math.max(-89.9, Math.min(89.9, this.view.elevation + up));
+    this.redraw();
+  }
+
+  zoom(factor) {
+    const { home } = this;
+    if (!home) return;
+    this.view.distance = Math.max(0.02 * home.size, Math.min(20 * home.distance, this.view.distance * factor));
+    this.redraw();
+  }
+
+  pan(dx, dy) {
+    const { right, up } = this.axes(), { height } = this.canvas.getBoundingClientRect();
+    const scale = (2 * Math.tan((16 * Math.PI) / 180) * this.view.distance) / (height || 1);
+    this.view.target = this.view.target.map((x, i) => x + scale * (dy * up[i] - dx * right[i]));
+    this.redraw();
+  }
+}

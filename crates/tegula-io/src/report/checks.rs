@@ -1,0 +1,158 @@
+//! Checks of a report: the trust that a result deserves.
+
+use serde::Serialize;
+
+use crate::job::{Status, Summary};
+
+/// Imbalance of forces from which on a run warns.
+const IMBALANCE: f64 = 1e-5;
+
+/// Verdict on a check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub(super) enum Verdict {
+    /// As it should be.
+    Good,
+    /// Needs a look.
+    Doubtful,
+    /// The result is not to be used.
+    Bad,
+    /// A number without a limit.
+    Fact,
+}
+
+/// A line of the table of checks.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Check {
+    /// Quantity.
+    pub name: &'static str,
+    /// Its value in words.
+    pub value: String,
+    /// Verdict.
+    pub verdict: Verdict,
+}
+
+/// Number with so many digits that it can be read, without zeros at its end.
+pub(super) fn short(x: f64, digits: usize) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return if x == 0.0 { "0".into() } else { x.to_string() };
+    }
+    let text = format!("{x:.*e}", digits.saturating_sub(1));
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let power: i32 = exponent.parse().unwrap_or(0);
+    if (-4..digits as i32 + 1).contains(&power) {
+        let decimals = (digits as i32 - 1 - power).max(0) as usize;
+        let plain = format!("{x:.decimals$}");
+        return if plain.contains('.') {
+            plain.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            plain
+        };
+    }
+    let mantissa =
+        if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
+    format!("{mantissa}e{power}")
+}
+
+/// Size in bytes with a unit.
+fn bytes(n: u64) -> String {
+    format!("{} MB", short(n as f64 / 1e6, 3))
+}
+
+/// The checks of a run.
+pub(super) fn of(s: &Summary) -> Vec<Check> {
+    let mut out = Vec::new();
+    let mut add = |name, value: String, verdict| out.push(Check { name, value, verdict });
+    let (words, verdict) = match s.status {
+        Status::Complete => ("complete", Verdict::Good),
+        Status::Running => ("not ended, or the run was killed", Verdict::Doubtful),
+        Status::Interrupted => ("interrupted", Verdict::Doubtful),
+        Status::Failed => ("failed", Verdict::Bad),
+    };
+    add("Status", words.into(), verdict);
+    if let Some(error) = &s.error {
+        add("Reason", error.clone(), Verdict::Bad);
+    }
+    match s.warnings.len() {
+        0 => add("Warnings", "none".into(), Verdict::Good),
+        n => add("Warnings", format!("{n}, listed below"), Verdict::Doubtful),
+    }
+    if let Some(balance) = &s.balance {
+        for (name, error) in [("Balance of forces", balance.force), ("Balance of moments", balance.moment)] {
+            let verdict = if error <= IMBALANCE { Verdict::Good } else { Verdict::Doubtful };
+            add(name, format!("{} of their sum", short(error, 2)), verdict);
+        }
+    }
+    match s.negative_pivots {
+        Some(n) if n > 0 => {
+            let value = format!("{n} negative pivots of the tangent: the equilibrium may be unstable");
+            add("Stability", value, Verdict::Doubtful);
+        }
+        None if s.analysis == "static" && s.status == Status::Complete => {
+            add("Stability", "no negative pivot of the tangent".into(), Verdict::Good);
+        }
+        _ => {}
+    }
+    if let Some(error) = s.energy_error {
+        add(
+            "Error of the energy balance",
+            format!("{} of the largest energy", short(error, 2)),
+            Verdict::Fact,
+        );
+    }
+    match s.sturm_checked {
+        Some(true) => {
+            add("Modes", "a Sturm sequence count confirms that none is missing".into(), Verdict::Good)
+        }
+        Some(false) => add("Modes", "not confirmed that none is missing".into(), Verdict::Doubtful),
+        None => {}
+    }
+    if let Some(stop) = &s.stop {
+        let value =
+            format!("`{}` has crossed {} at {}", stop.column, short(stop.value, 9), short(stop.time, 9));
+        add("Stop condition", value, Verdict::Fact);
+    }
+    if s.frequencies_hz.is_none() && s.load_factors.is_none() && s.analyses.is_empty() {
+        let parameter = if s.analysis == "transient" { "Time" } else { "Load factor" };
+        let end = if s.analysis == "path" { String::new() } else { format!(" of {}", short(s.end, 9)) };
+        add(parameter, format!("{}{end}", short(s.time, 9)), Verdict::Fact);
+        let per_step = s.iterations as f64 / s.steps.max(1) as f64;
+        // Steps of power series have no iterations.
+        let each = if s.iterations > 0 {
+            format!(", {} iterations each", short(per_step, 3))
+        } else {
+            String::new()
+        };
+        add("Steps", format!("{}{each}, {} cut back", s.steps, s.cutbacks), Verdict::Fact);
+    }
+    add("Factorisations", s.factorizations.to_string(), Verdict::Fact);
+    add("Model", format!("{} shell elements, {} unknowns", s.elements, s.unknowns), Verdict::Fact);
+    if s.mass != 0.0 {
+        add("Mass", short(s.mass, 9), Verdict::Fact);
+    }
+    let memory = s.peak_memory_bytes.map(|n| format!(", {} of memory", bytes(n))).unwrap_or_default();
+    add("Cost", format!("{} s on {} threads{memory}", short(s.wall_s, 3), s.threads), Verdict::Fact);
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_right() {
+        for (x, digits, text) in [
+            (0.0, 3, "0"),
+            (1234.0, 9, "1234"),
+            (0.25, 9, "0.25"),
+            (-3.200_000_1, 4, "-3.2"),
+            (1e-12, 2, "1e-12"),
+            (6.702_345e22, 3, "6.7e22"),
+            (100.0, 2, "100"),
+            (99.96, 3, "100"),
+            (0.000_123_4, 3, "0.000123"),
+            (f64::NAN, 3, "NaN"),
+        ] {
+            assert_eq!(short(x, digits), text);
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The HTML file of a report.
+
+use serde::Serialize;
+
+use super::blocks::Blocks;
+use super::{Part, tables};
+use crate::job::{Status, Summary};
+use crate::out::vtu::escape;
+
+const STYLE: [&str; 2] =
+    [include_str!("../../assets/report/uPlot.min.css"), include_str!("../../assets/report/page.css")];
+const SCRIPTS: [&str; 4] = [
+    include_str!("../../assets/report/uPlot.iife.min.js"),
+    include_str!("../../assets/report/viewer.js"),
+    include_str!("../../assets/report/curves.js"),
+    include_str!("../../assets/report/page.js"),
+];
+
+/// Data that the scripts of a report read.
+#[derive(Serialize)]
+struct Data<'a> {
+    title: &'a str,
+    parts: &'a [Part],
+}
+
+/// Text for a script element, in which no tag may begin.
+fn in_script(text: &str) -> String {
+    text.replace('<', "\\u003c")
+}
+
+/// Title of a model, or its name.
+fn title(summary: &Summary) -> &str {
+    if summary.title.is_empty() { &summary.model } else { &summary.title }
+}
+
+/// The pieces of the file, in their order.
+pub(super) fn page(
+    summary: &Summary,
+    parts: &[Part],
+    blocks: &Blocks,
+    model: Option<&str>,
+    notes: &[String],
+) -> Vec<String> {
+    let title = title(summary);
+    let data = serde_json::to_string(&Data { title, parts }).unwrap_or_default();
+    let status = match summary.status {
+        Status::Complete => "complete",
+        Status::Running => "running",
+        Status::Interrupted => "interrupted",
+        Status::Failed => "failed",
+    };
+    let mut out = vec![format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline'; \
+         style-src 'unsafe-inline'; img-src data: blob:\">\n\
+         <title>{title}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n{}\n</style>\n</head>\n<body>\n\
+         <header>\n<h1>{title}</h1>\n<p><span class=\"status {status}\">{status}</span> {} of <code>{}</code>, \
+         tegula {}</p>\n</header>\n<main>\n",
+        STYLE.join("\n"),
+        escape(&match summary.analysis.as_str() {
+            "steps" => format!("{} analyses", summary.analyses.len()),
+            analysis => format!("{analysis} analysis"),
+        }),
+        escape(&summary.model),
+        escape(&summary.version),
+        title = escape(title),
+    )];
+    let all = if summary.analyses.is_empty() { String::new() } else { tables::checks(summary) };
+    out.push(section("checks", "Checks", &all, parts, tables::checks));
+    out.push(
+        "<section id=\"shapes\">\n<h2>Shapes</h2>\n<div id=\"scene\"></div>\n\
+         <noscript>The shapes and curves need JavaScript.</noscript>\n</section>\n\
+         <section id=\"curves\">\n<h2>Curves</h2>\n<div id=\"plots\"></div>\n</section>\n"
+            .into(),
+    );
+    out.push(section("results", "Results", "", parts, tables::results));
+    let notes: String = notes.iter().map(|note| format!("<p>{}</p>\n", escape(note))).collect();
+    let text = model
+        .map_or("<p>The model file has changed since the run, or the model does not come from a file that is still there.</p>".into(), |text| {
+            format!("<pre><code>{}</code></pre>", lines(text))
+        });
+    out.push(format!("<section>\n<h2>Model</h2>\n{text}\n</section>\n<footer>\n{notes}</footer>\n</main>\n"));
+    out.extend(
+        blocks
+            .texts()
+            .iter()
+            .enumerate()
+            .map(|(i, text)| format!("<script type=\"text/plain\" id=\"block-{i}\">{text}</script>\n")),
+    );
+    out.push(format!("<script type=\"application/json\" id=\"data\">{}</script>\n", in_script(&data)));
+    out.extend(SCRIPTS.iter().map(|script| format!("<script>\n{script}\n</script>\n")));
+    out.push("</body>\n</html>\n".into());
+    out
+}
+
+/// Text of several lines for HTML.
+fn lines(text: &str) -> String {
+    text.lines().map(|line| escape(line) + "\n").collect()
+}
+
+/// A section with a piece for each analysis, under its name where there are several.
+fn section(id: &str, heading: &str, first: &str, parts: &[Part], piece: fn(&Summary) -> String) -> String {
+    let of = |part: &Part| {
+        let name =
+            if part.name.is_empty() { String::new() } else { format!("<h3>{}</h3>\n", escape(&part.name)) };
+        format!("<div>\n{name}{}</div>\n", piece(&part.summary))
+    };
+    let pieces: String = parts.iter().map(of).collect();
+    format!(
+        "<section id=\"{id}\">\n<h2>{heading}</h2>\n{first}<div class=\"runs\">\n{pieces}</div>\n</section>\n"
+    )
+}

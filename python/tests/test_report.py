@@ -1,0 +1,259 @@
+"""Reports in a browser: headless Chromium shows them, moves the shapes and reports no error.
+
+Needs selenium, and Chromium with its driver (packages `chromium` and `chromium-driver` of Debian); skipped without them, unless the
+environment variable TEGULA_BROWSER is set, which asks for them.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import tempfile
+import time
+import unittest
+from pathlib import Path
+from typing import Any, ClassVar
+
+import tegula
+
+try:
+    from selenium import webdriver
+    from selenium.webdriver import ActionChains
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
+except ImportError:
+    webdriver = None  # type: ignore[assignment, unused-ignore]
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+
+
+def chromium(width: int, height: int) -> Any:
+    """Headless Chromium that draws without a graphics card."""
+    options = webdriver.ChromeOptions()
+    options.binary_location = str(CHROMIUM)
+    for argument in (
+        "--headless=new",
+        "--no-sandbox",
+        "--disable-dev-shm-usage",
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+        f"--window-size={width},{height}",
+    ):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    browser = webdriver.Chrome(options=options, service=Service(str(DRIVER)))
+    browser.set_script_timeout(120)
+    return browser
+
+
+PENDULUM = {
+    "title": "Plate that swings <down> & up",
+    "analysis": {"type": "transient", "end_time": 0.3, "time_step": 0.01},
+    "mesh": {"type": "plate", "size": [1.0, 0.5], "grid": {"elements": [8, 4]}},
+    "materials": {"rubber": {"type": "isotropic", "young": 2e7, "poisson": 0.3, "density": 500.0}},
+    "sections": [{"material": "rubber", "thickness": 0.02}],
+    "conditions": [{"type": "spherical", "on": "u_min"}],
+    "loads": [{"type": "gravity", "value": [0.0, 0.0, -9.81]}],
+    "output": {"points": [{"name": "tip", "on": "u_max_v_max"}], "every": 1, "pictures": False},
+}
+
+
+@unittest.skipUnless(
+    os.environ.get("TEGULA_BROWSER") or (webdriver and CHROMIUM and DRIVER), "there is no browser to test with"
+)
+class Reports(unittest.TestCase):
+    browser: ClassVar[Any]
+    folder: ClassVar[Path]
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
+        cls.browser = chromium(1200, 1000)
+        cls.addClassCleanup(cls.browser.quit)
+
+    def opened(self, path: Path) -> None:
+        """Opens a report and waits until it is drawn."""
+        self.browser.get(path.as_uri())
+        outcome = self.browser.execute_async_script(
+            "const done = arguments[0]; window.report.then(() => done('drawn'), (e) => done(String(e.stack)));"
+        )
+        self.assertEqual(outcome, "drawn")
+
+    def script(self, text: str) -> Any:
+        """Value of a script that knows the state of the report as `state`."""
+        return self.browser.execute_async_script(
+            f"const done = arguments[0]; window.report.then((state) => {{ {text} }});"
+        )
+
+    def pixels(self) -> list[int]:
+        """Colours of the canvas: number of pixels that are not white, and sums that a moving shape changes."""
+        found = self.script(
+            """const { viewer } = state.stage, { gl, canvas } = viewer; viewer.draw();
+            const p = new Uint8Array(4 * canvas.width * canvas.height);
+            gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, p);
+            let drawn = 0, x = 0, y = 0, coloured = 0;
+            for (let i = 0; i < p.length; i += 4) {
+              if (p[i] + p[i + 1] + p[i + 2] > 720) continue;
+              drawn++; x += (i / 4) % canvas.width; y += Math.floor(i / 4 / canvas.width);
+              if (Math.max(p[i], p[i + 1], p[i + 2]) - Math.min(p[i], p[i + 1], p[i + 2]) > 60) coloured++;
+            }
+            done([drawn, Math.round(x / drawn), Math.round(y / drawn), coloured, canvas.width * canvas.height]);"""
+        )
+        return [int(n) for n in found]
+
+    def assert_silent(self) -> None:
+        """The console has no message."""
+        self.assertEqual(self.browser.get_log("browser"), [])
+
+    def result(self, name: str, model: dict[str, Any]) -> tegula.Result:
+        return tegula.Model(model).run(self.folder / name)
+
+    def test_shapes_move_with_the_slider_and_the_keys(self) -> None:
+        result = self.result("pendulum", PENDULUM)
+        path = result.report()
+        self.assertEqual(path, self.folder / "pendulum" / "report.html")
+        self.opened(path)
+        self.assertEqual(self.browser.title, PENDULUM["title"])
+        drawn, x, y, coloured, whole = self.pixels()
+        self.assertGreater(drawn, 0.02 * whole)
+        self.assertGreater(coloured, 0.3 * drawn)
+        slider = self.browser.find_element(By.CSS_SELECTOR, "input[type=range]")
+        self.assertEqual(int(slider.get_attribute("max")), len(result.frames) - 1)
+        self.assertIn("0.3", self.browser.find_element(By.CSS_SELECTOR, ".time output").text)
+        self.browser.execute_script(
+            "arguments[0].value = 0; arguments[0].dispatchEvent(new Event('input'));", slider
+        )
+        self.assertIn("time 0", self.browser.find_element(By.CSS_SELECTOR, ".time output").text)
+        at_start = self.pixels()
+        self.assertGreater(abs(at_start[1] - x) + abs(at_start[2] - y), 20, "the slider moves the shape")
+        canvas = self.browser.find_element(By.TAG_NAME, "canvas")
+        canvas.send_keys(Keys.ARROW_RIGHT)
+        self.assertEqual(slider.get_property("value"), "1")
+        canvas.send_keys("+")
+        self.assertEqual(self.script("done(state.stage.scale.value)"), "1.25")
+        before = self.script("done(state.stage.viewer.view.azimuth)")
+        ActionChains(self.browser).click_and_hold(canvas).move_by_offset(40, 10).release().perform()
+        self.assertNotEqual(self.script("done(state.stage.viewer.view.azimuth)"), before)
+        canvas.send_keys("r")
+        self.assertEqual(self.script("done(state.stage.viewer.view.azimuth)"), before)
+        canvas.send_keys(" ")
+        time.sleep(0.7)
+        canvas.send_keys(" ")
+        self.assertGreater(int(slider.get_property("value")), 1, "the animation moves on")
+        self.assert_silent()
+
+    def test_values_are_those_of_the_files(self) -> None:
+        result = self.result("values", PENDULUM)
+        self.opened(result.report())
+        frame = result.frames[20].to_meshio()
+        displacement = frame.point_data["displacement"]
+        von_mises = frame.cell_data["von_mises"][0]
+        shown = self.script(
+            """(async () => { const { shapes } = state.stage, [mesh] = shapes.meshes;
+            const f = await shapes.field('von_mises/');
+            done([mesh.displacement[20].map((u) => Array.from(u)), Array.from(f.values[20]), f.atPoints,
+              Array.from(mesh.reference), shapes.scene.values[20]]); })();"""
+        )
+        for axis in range(3):
+            every = [abs(f.to_meshio().point_data["displacement"][:, axis]).max() for f in result.frames]
+            for found, exact in zip(shown[0][axis], displacement[:, axis], strict=True):
+                self.assertLess(abs(found - exact), 2e-5 * max(every) + 1e-12)
+        for found, exact in zip(shown[1], von_mises, strict=True):
+            self.assertLess(abs(found - exact), 1e-4 * von_mises.max() + 1e-3)
+        self.assertFalse(shown[2])
+        for found, exact in zip(shown[3], frame.points.ravel(), strict=True):
+            self.assertAlmostEqual(found, exact, delta=1e-6)
+        self.assertEqual(shown[4], result.frames[20].time)
+        history = self.script(
+            "columnsOf(state.parts[0].history).then((columns) => done(Array.from(columns.get('tip.uz'))));"
+        )
+        self.assertEqual(history, list(result.history["tip.uz"]))
+        # The history of a node is that of its point.
+        node = int(abs(frame.points - [1.0, 0.5, 0.0]).sum(axis=1).argmin())
+        self.script(f"state.stage.pick({{ mesh: 0, point: {node} }}); done(0);")
+        curve = self.script("done(Array.from(state.stage.picked.curves[2].ys))")
+        for found, exact in zip(curve, result.history["tip.uz"], strict=True):
+            self.assertAlmostEqual(found, exact, delta=2e-5)
+        self.assert_silent()
+
+    def test_modes_are_animated(self) -> None:
+        model = {
+            **{key: PENDULUM[key] for key in ("mesh", "materials", "sections", "conditions")},
+            "analysis": {"type": "modal", "modes": 5},
+            "output": {"pictures": False},
+        }
+        result = self.result("modes", model)
+        self.opened(result.report())
+        label = self.browser.find_element(By.CSS_SELECTOR, ".time output").text
+        number, frequency = re.fullmatch(r"mode (\d+): f = (\S+)", label).groups()  # type: ignore[union-attr]
+        self.assertAlmostEqual(float(frequency), result.frequencies[int(number) - 1], delta=1e-5 * float(frequency))
+        self.assertGreater(float(frequency), 0.1, "the first mode that is not rigid")
+        canvas = self.browser.find_element(By.TAG_NAME, "canvas")
+        before = self.pixels()
+        canvas.send_keys(" ")
+        time.sleep(0.8)
+        during = self.script("done(state.stage.phase)")
+        self.assertLess(during, 0.9)
+        self.assertNotEqual(self.pixels(), before)
+        self.assert_silent()
+
+    def test_paths_show_their_critical_points(self) -> None:
+        result = tegula.Model.read(EXAMPLES / "hinged_roof_path.toml").run(self.folder / "path")
+        self.opened(result.report())
+        text = self.browser.find_element(By.TAG_NAME, "main").text
+        for point in result.summary["critical_points"]:
+            self.assertIn(f"{point['load_factor']:.6f}"[:7], text)
+        self.assertIn("equilibrium path", text)
+        label = self.browser.find_element(By.CSS_SELECTOR, ".time output").text
+        self.assertAlmostEqual(float(label.split()[-1]), result.history["time"][-1], delta=1e-5)
+        self.assertIn("Hinged roof", text, "the model file")
+        self.assert_silent()
+
+    def test_steps_are_in_one_report_that_phones_can_show(self) -> None:
+        text = (EXAMPLES / "preloaded_plate.toml").read_text().replace("end_time = 0.2", "end_time = 0.01")
+        result = tegula.Model.from_toml(text).run(self.folder / "steps")
+        self.opened(result.report())
+        choice = self.browser.find_element(By.CSS_SELECTOR, ".controls select")
+        shown = [option.text for option in choice.find_elements(By.TAG_NAME, "option")]
+        self.assertEqual(shown[:2], ["1-preload: States", "2-modes: Modes"])
+        self.script("state.stage.picker.selectedIndex = 1; state.stage.open(1).then(() => done(0));")
+        self.assertIn("mode", self.browser.find_element(By.CSS_SELECTOR, ".time output").text)
+        self.browser.set_window_size(500, 900)
+        self.addCleanup(self.browser.set_window_size, 1200, 1000)
+        self.opened(self.folder / "steps" / "report.html")
+        wide = self.script("done(document.documentElement.scrollWidth - document.documentElement.clientWidth)")
+        self.assertLessEqual(wide, 0, "nothing is wider than the screen of a phone")
+        self.assert_silent()
+
+    def test_a_notebook_shows_the_report(self) -> None:
+        result = self.result("notebook", PENDULUM)
+        page = self.folder / "notebook.html"
+        page.write_text(f"<!DOCTYPE html><meta charset='utf-8'><body>{result._repr_html_()}</body>")
+        self.browser.get(page.as_uri())
+        self.browser.switch_to.frame(self.browser.find_element(By.TAG_NAME, "iframe"))
+        self.addCleanup(self.browser.switch_to.default_content)
+        self.assertEqual(self.script("done(state.stage.shapes.instants)"), len(result.frames))
+        self.assertGreater(self.pixels()[0], 1000)
+        self.browser.switch_to.default_content()
+        self.assert_silent()
+
+
+class Files(unittest.TestCase):
+    def test_a_report_is_one_file_without_network(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            result = tegula.Model(PENDULUM).run(folder)
+            text = result.report(Path(folder) / "own.html").read_text(encoding="utf-8")
+            self.assertIn("<title>Plate that swings &lt;down&gt; &amp; up</title>", text)
+            self.assertIn("default-src 'none'", text)
+            self.assertEqual(re.findall(r"<(?:link|img|script|iframe)[^>]*(?:src|href)=\"(?!data:)", text), [])
+            self.assertLess(len(text), 2_000_000)
+            with self.assertRaisesRegex(tegula.OutputError, "summary.json"):
+                tegula.Result(folder).folder.joinpath("summary.json").unlink()
+                result.report()
+
+
+if __name__ == "__main__":
+    unittest.main()
