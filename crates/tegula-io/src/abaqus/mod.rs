@@ -29,7 +29,9 @@ use crate::conversion::analyses::StepAnalysis;
 use crate::conversion::document::{Document, quoted};
 use crate::conversion::loads::Load;
 use crate::conversion::supports::{self, Restraint};
-use crate::conversion::{Errors, Point, distinct, head, listed, write_points};
+use crate::conversion::{
+    Errors, Point, distinct, head, listed, unread, without_effect, write_mesh, write_points, write_steps,
+};
 use crate::mesh::MeshError;
 use crate::mesh::abaqus::cards::{self, Card, Reader};
 use crate::mesh::abaqus::parts;
@@ -120,18 +122,7 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     let supports = keep.value(supports(&reader, &parts, model, &steps)).unwrap_or_default();
     keep.value(supports::write(&mut out, &reader, &parts, "[[conditions]]", &supports));
     let loads = keep.value(loads_of(&reader, &parts, &steps, &analyses)).unwrap_or_default();
-    for (analysis, loads) in analyses.iter().zip(&loads) {
-        if !single {
-            out.table(analysis.line, "[[steps]]", "*STEP");
-            if !analysis.name.is_empty() {
-                out.key(analysis.line, "name", &quoted(&analysis.name));
-            }
-            analysis.write(&mut out, "[steps.analysis]");
-        }
-        loads
-            .iter()
-            .for_each(|load| load.write(&mut out, if single { "[[loads]]" } else { "[[steps.loads]]" }));
-    }
+    write_steps(&mut out, "*STEP", &analyses, &loads);
     let printed = printed(&parts, &cards);
     write_points(&mut out, &printed, "*NODE PRINT");
     if errors.is_empty() {
@@ -148,14 +139,8 @@ fn unknown(reader: &Reader<'_>, cards: &[Card<'_>]) -> Option<MeshError> {
         let keyword = card.keyword.as_str();
         !READ.contains(&keyword) && !IGNORED.contains(&keyword) && !parts::is_refused(keyword)
     };
-    let unknown: Vec<&Card<'_>> = cards.iter().filter(known).collect();
-    let first = unknown.first()?;
-    let list = listed("*", unknown.iter().map(|card| (card.keyword.as_str(), card.line)));
-    Some(reader.error(
-        first.line,
-        format!("these cards are not read: {list}"),
-        "remove them, and add their counterparts to the model file that `tegula convert` writes of the rest",
-    ))
+    let unknown = cards.iter().filter(known);
+    unread(reader, "*", unknown.map(|card| (card.keyword.as_str(), card.line)))
 }
 
 /// Warning about requests for results that are not read.
@@ -165,9 +150,7 @@ fn ignored(cards: &[Card<'_>], printed: &[Point]) -> Option<Issue> {
         IGNORED.contains(&card.keyword.as_str()) || (card.keyword == "NODE PRINT" && !read(card))
     };
     let list = listed("*", cards.iter().filter(ignored).map(|card| (card.keyword.as_str(), card.line)));
-    let message = format!("cards of the input file without effect: {list}");
-    let help = "results are those of `[output]` in the model file, which `tegula convert` writes";
-    (!list.is_empty()).then(|| Issue::new("", message, help))
+    without_effect("cards", &list)
 }
 
 /// Warning about modes and buckling behind a static step with large displacements, without PERTURBATION.
@@ -199,9 +182,7 @@ fn title(out: &mut Document, cards: &[Card<'_>]) {
 /// The table `[mesh]`.
 fn mesh(out: &mut Document, cards: &[Card<'_>], file: &str) {
     let line = cards.iter().find(|card| card.keyword == "NODE").map_or(1, |card| card.line);
-    out.table(line, "[mesh]", "*NODE");
-    out.key(line, "type", "\"abaqus\"");
-    out.key(line, "file", &quoted(file));
+    write_mesh(out, line, "*NODE", "abaqus", file);
 }
 
 /// Analyses of all steps.

@@ -18,9 +18,11 @@ use std::path::Path;
 
 use tegula::Issue;
 
+use self::analyses::StepAnalysis;
 use self::document::{Document, quoted};
+use self::loads::Load;
 use crate::mesh::MeshError;
-use crate::mesh::numbered::shown;
+use crate::mesh::numbered::{Reader, shown};
 
 /// Text of a model file made of an input file.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +61,10 @@ pub(crate) fn distinct(errors: Vec<MeshError>) -> Vec<MeshError> {
     out
 }
 
-/// Keywords with their lines; `star` stands before each of them.
+/// Most lines of one keyword that a message lists.
+const MOST_LINES: usize = 20;
+
+/// Keywords with their lines, of which many are counted; `star` stands before each of them.
 pub(crate) fn listed<'a>(star: &str, cards: impl Iterator<Item = (&'a str, usize)>) -> String {
     let mut lines: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for (keyword, line) in cards {
@@ -67,9 +72,58 @@ pub(crate) fn listed<'a>(star: &str, cards: impl Iterator<Item = (&'a str, usize
     }
     let named = |(keyword, lines): (&str, Vec<String>)| {
         let word = if lines.len() == 1 { "line" } else { "lines" };
-        format!("{star}{} ({word} {})", shown(keyword), lines.join(", "))
+        let more = match lines.len().saturating_sub(MOST_LINES) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let first: Vec<String> = lines.into_iter().take(MOST_LINES).collect();
+        format!("{star}{} ({word} {}{more})", shown(keyword), first.join(", "))
     };
     lines.into_iter().map(named).collect::<Vec<_>>().join(", ")
+}
+
+/// One error for all cards that are not read; `star` stands before each of them.
+pub(crate) fn unread<'a>(
+    reader: &Reader<'_>,
+    star: &str,
+    cards: impl Iterator<Item = (&'a str, usize)> + Clone,
+) -> Option<MeshError> {
+    let (_, line) = cards.clone().next()?;
+    Some(reader.error(
+        line,
+        format!("these cards are not read: {}", listed(star, cards)),
+        "remove them, and add their counterparts to the model file that `tegula convert` writes of the rest",
+    ))
+}
+
+/// The table `[mesh]`, of the first `card` of a node.
+pub(crate) fn write_mesh(out: &mut Document, line: usize, card: &str, kind: &str, file: &str) {
+    out.table(line, "[mesh]", card);
+    out.key(line, "type", &quoted(kind));
+    out.key(line, "file", &quoted(file));
+}
+
+/// Writes the loads of a single analysis, or of each step with its analysis; `card` begins a step.
+pub(crate) fn write_steps(out: &mut Document, card: &str, analyses: &[StepAnalysis], loads: &[Vec<Load>]) {
+    let single = analyses.len() == 1;
+    for (analysis, loads) in analyses.iter().zip(loads) {
+        if !single {
+            out.table(analysis.line, "[[steps]]", card);
+            if !analysis.name.is_empty() {
+                out.key(analysis.line, "name", &quoted(&analysis.name));
+            }
+            analysis.write(out, "[steps.analysis]");
+        }
+        let head = if single { "[[loads]]" } else { "[[steps.loads]]" };
+        loads.iter().for_each(|load| load.write(out, head));
+    }
+}
+
+/// Warning of parts of an input file without effect.
+pub(crate) fn without_effect(what: &str, list: &str) -> Option<Issue> {
+    let help = "results are those of `[output]` in the model file, which `tegula convert` writes";
+    let message = format!("{what} of the input file without effect: {list}");
+    (!list.is_empty()).then(|| Issue::new("", message, help))
 }
 
 /// A point whose displacements are recorded.

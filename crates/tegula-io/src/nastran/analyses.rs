@@ -31,7 +31,7 @@ pub(super) fn steps(
 ) -> Result<Vec<Step>, MeshError> {
     let (solution, line) = control.solution;
     let subcases = &control.subcases;
-    let supports = subcases.first().and_then(|subcase| subcase.selected("SPC")).map(|(set, _)| set);
+    let supports = file.support_set().map(|(set, _)| set);
     if let Some(other) = subcases.iter().find(|other| other.selected("SPC").map(|(set, _)| set) != supports) {
         return Err(reader.error(
             other.line,
@@ -69,39 +69,53 @@ pub(super) fn steps(
             let [subcase] = &subcases[..] else {
                 return Err(several(reader, control, "SOL 103 has one subcase here"));
             };
-            if let Some((_, line)) = subcase.selected("LOAD").or(subcase.selected("STATSUB")) {
-                return Err(reader.error(
-                    line,
-                    "modes do not depend on loads, and modes of a loaded structure are not read",
-                    "remove the loads, or give `prestressed = true` in the model file that `tegula convert` writes",
-                ));
-            }
-            let (count, _) = method(reader, file, subcase, notes)?;
-            Ok(vec![step(subcase, "SOL 103", vec![("type", quoted("modal")), ("modes", count.to_string())])])
+            modes(reader, file, subcase, notes).map(|keys| vec![step(subcase, "SOL 103", keys)])
         }
-        Solution::Buckling => {
-            let [statics, buckling] = &subcases[..] else {
-                return Err(several(
-                    reader,
-                    control,
-                    "SOL 105 has two subcases here: statics with LOAD, buckling with METHOD",
-                ));
-            };
-            let first = buckling.selected("STATSUB").is_none_or(|(number, _)| number == statics.number);
-            if !first || statics.selected("LOAD").is_none() {
-                return Err(reader.error(
-                    buckling.line,
-                    "the buckling subcase does not follow a static one with loads",
-                    "give LOAD in the first subcase and METHOD in the second one",
-                ));
-            }
-            let (count, _) = method(reader, file, buckling, notes)?;
-            let keys =
-                vec![("type", quoted("buckling")), ("factors", count.to_string()), ("signs", quoted("both"))];
-            let analysis = StepAnalysis { line, card: "SOL 105", name: String::new(), keys };
-            Ok(vec![Step { analysis, loads: statics.selected("LOAD") }])
-        }
+        Solution::Buckling => buckling(reader, file, control, notes).map(|step| vec![step]),
     }
+}
+
+/// Keys of an analysis of modes.
+fn modes(
+    reader: &Reader<'_>,
+    file: &File<'_>,
+    subcase: &Subcase,
+    notes: &mut Vec<String>,
+) -> Result<Vec<(&'static str, String)>, MeshError> {
+    if let Some((_, line)) = subcase.selected("LOAD").or(subcase.selected("STATSUB")) {
+        return Err(reader.error(
+            line,
+            "modes do not depend on loads, and modes of a loaded structure are not read",
+            "remove the loads, or give `prestressed = true` in the model file that `tegula convert` writes",
+        ));
+    }
+    let count = method(reader, file, subcase, notes)?;
+    Ok(vec![("type", quoted("modal")), ("modes", count.to_string())])
+}
+
+/// Buckling, under the loads of the static subcase.
+fn buckling(
+    reader: &Reader<'_>,
+    file: &File<'_>,
+    control: &Control,
+    notes: &mut Vec<String>,
+) -> Result<Step, MeshError> {
+    let [statics, buckling] = &control.subcases[..] else {
+        let message = "SOL 105 has two subcases here: statics with LOAD, buckling with METHOD";
+        return Err(several(reader, control, message));
+    };
+    let first = buckling.selected("STATSUB").is_none_or(|(number, _)| number == statics.number);
+    if !first || statics.selected("LOAD").is_none() {
+        return Err(reader.error(
+            buckling.line,
+            "the buckling subcase does not follow a static one with loads",
+            "give LOAD in the first subcase and METHOD in the second one",
+        ));
+    }
+    let count = method(reader, file, buckling, notes)?;
+    let keys = vec![("type", quoted("buckling")), ("factors", count.to_string()), ("signs", quoted("both"))];
+    let analysis = StepAnalysis { line: control.solution.1, card: "SOL 105", name: String::new(), keys };
+    Ok(Step { analysis, loads: statics.selected("LOAD") })
 }
 
 fn several(reader: &Reader<'_>, control: &Control, message: &str) -> MeshError {
@@ -134,13 +148,13 @@ fn numbered<'f>(
     }
 }
 
-/// Number of modes or factors that `METHOD` asks for, and the line of its card.
+/// Number of modes or factors that `METHOD` asks for.
 fn method(
     reader: &Reader<'_>,
     file: &File<'_>,
     subcase: &Subcase,
     notes: &mut Vec<String>,
-) -> Result<(u64, usize), MeshError> {
+) -> Result<u64, MeshError> {
     let Some(selected) = subcase.selected("METHOD") else {
         let line = subcase.line.max(1);
         return Err(reader.error(
@@ -167,8 +181,7 @@ fn method(
             card.name, card.line
         ));
     }
-    let what = "the number ND of modes";
-    card.id(reader, count, what).map(|number| (number, card.line))
+    card.id(reader, count, "the number ND of modes")
 }
 
 /// Number of increments of `NLPARM`.

@@ -76,6 +76,18 @@ pub(super) struct Subcase {
     pub line: usize,
     /// Numbers that commands select, with their lines.
     numbers: BTreeMap<String, (u64, usize)>,
+    /// Value of `ANALYSIS` in capitals, with its line.
+    analysis: Option<(String, usize)>,
+}
+
+/// Executive control.
+struct Executive {
+    /// Solution sequence.
+    solution: Solution,
+    /// Its line.
+    line: usize,
+    /// Statements without effect, with their lines.
+    ignored: Vec<(String, usize)>,
 }
 
 /// Executive and case control.
@@ -104,7 +116,7 @@ fn is(short: &str, name: &str) -> bool {
 }
 
 /// Full name of a command among the known ones.
-fn full(command: &Command) -> Option<&'static str> {
+pub(super) fn full(command: &Command) -> Option<&'static str> {
     let name = command.name.as_str();
     let exact = READ.iter().chain(IGNORED).find(|known| **known == name);
     exact.or_else(|| READ.iter().chain(IGNORED).find(|known| is(name, known))).copied()
@@ -115,10 +127,8 @@ fn full(command: &Command) -> Option<&'static str> {
 /// # Errors
 /// The solution sequence or a command is not read, or a selection is no number.
 pub(super) fn control(reader: &Reader<'_>, file: &File<'_>) -> Result<Control, MeshError> {
-    let (solution, mut ignored) = solution(reader, file)?;
+    let Executive { solution, line, mut ignored } = executive(reader, file)?;
     let mut title = None;
-    let mut defaults = Subcase::default();
-    let mut subcases: Vec<Subcase> = Vec::new();
     let unknown: Vec<&Command> =
         file.case.iter().filter(|command| full(command).is_none() && command.name != "PARAM").collect();
     if let Some(first) = unknown.first() {
@@ -133,36 +143,63 @@ pub(super) fn control(reader: &Reader<'_>, file: &File<'_>) -> Result<Control, M
         ));
     }
     for command in &file.case {
-        let Some(name) = full(command) else { continue };
-        match name {
-            "TITLE" => title = Some((command.value.clone(), command.line)),
-            "SUBCASE" => {
-                let number = number(reader, command)?;
-                subcases.push(Subcase { number, line: command.line, numbers: defaults.numbers.clone() });
-            }
-            "ANALYSIS" => {
-                let known = ["STATICS", "STATIC", "NLSTATIC", "NLSTATICS", "MODES", "BUCKLING", "BUCK"];
-                if !known.iter().any(|word| command.value.eq_ignore_ascii_case(word)) {
-                    let message = format!("ANALYSIS = {} is not read", shown(&command.value));
-                    return Err(reader.error(
-                        command.line,
-                        message,
-                        "give statics, modes or buckling by SOL 101, 103, 105, 106",
-                    ));
-                }
-            }
-            name if READ.contains(&name) => {
-                let entry = (number(reader, command)?, command.line);
-                let of = subcases.last_mut().unwrap_or(&mut defaults);
-                of.numbers.insert(name.to_owned(), entry);
-            }
-            name => ignored.push((name.to_owned(), command.line)),
+        match full(command) {
+            Some("TITLE") => title = Some((command.value.clone(), command.line)),
+            Some(name) if !READ.contains(&name) => ignored.push((name.to_owned(), command.line)),
+            _ => {}
         }
     }
-    if subcases.is_empty() {
-        subcases.push(defaults);
+    let subcases: Vec<Subcase> =
+        file.subcases().iter().map(|commands| subcase(reader, commands)).collect::<Result<_, _>>()?;
+    for (i, subcase) in subcases.iter().enumerate() {
+        if let Some((analysis, line)) = &subcase.analysis {
+            check(reader, solution, i, (analysis, *line))?;
+        }
     }
-    Ok(Control { solution, subcases, title, ignored })
+    Ok(Control { solution: (solution, line), subcases, title, ignored })
+}
+
+/// A subcase of the commands that hold in it; the last one of a name counts.
+fn subcase(reader: &Reader<'_>, commands: &[&Command]) -> Result<Subcase, MeshError> {
+    let mut out = Subcase::default();
+    for command in commands {
+        match full(command) {
+            None | Some("TITLE") => {}
+            Some("SUBCASE") => (out.number, out.line) = (number(reader, command)?, command.line),
+            Some("ANALYSIS") => out.analysis = Some((command.value.to_uppercase(), command.line)),
+            Some("METHOD") if !matches!(command.option.as_str(), "" | "STRUCTURE") => {
+                return Err(reader.error(
+                    command.line,
+                    format!("METHOD({}) is not read", shown(&command.option)),
+                    "remove it: there are modes of the structure only",
+                ));
+            }
+            Some(name) if READ.contains(&name) => {
+                out.numbers.insert(name.to_owned(), (number(reader, command)?, command.line));
+            }
+            Some(_) => {}
+        }
+    }
+    Ok(out)
+}
+
+/// Refuses an `ANALYSIS` of the subcase at an index that is not the one of the solution sequence.
+fn check(
+    reader: &Reader<'_>,
+    solution: Solution,
+    index: usize,
+    (analysis, line): (&str, usize),
+) -> Result<(), MeshError> {
+    let fits = match solution {
+        Solution::Statics => matches!(analysis, "STATICS" | "STATIC"),
+        Solution::Modes => analysis == "MODES",
+        Solution::Buckling if index == 0 => matches!(analysis, "STATICS" | "STATIC"),
+        Solution::Buckling => matches!(analysis, "BUCK" | "BUCKLING"),
+        Solution::Nonlinear(_) => matches!(analysis, "NLSTATIC" | "NLSTATICS"),
+    };
+    let message = format!("ANALYSIS = {} is not read in this solution sequence", shown(analysis));
+    let help = "remove it, and give linear statics by SOL 101, modes by 103, buckling by 105, nonlinear statics by 106 or 400";
+    if fits { Ok(()) } else { Err(reader.error(line, message, help)) }
 }
 
 fn number(reader: &Reader<'_>, command: &Command) -> Result<u64, MeshError> {
@@ -176,11 +213,7 @@ fn number(reader: &Reader<'_>, command: &Command) -> Result<u64, MeshError> {
 }
 
 /// Solution sequence of the statement `SOL`, and statements without effect.
-#[allow(clippy::type_complexity)]
-fn solution(
-    reader: &Reader<'_>,
-    file: &File<'_>,
-) -> Result<((Solution, usize), Vec<(String, usize)>), MeshError> {
+fn executive(reader: &Reader<'_>, file: &File<'_>) -> Result<Executive, MeshError> {
     let (mut found, mut ignored) = (None, Vec::new());
     for (line, statement) in &file.executive {
         let mut words = statement.split([' ', ',', '=']).filter(|word| !word.is_empty());
@@ -222,7 +255,7 @@ fn solution(
         }
     }
     match found {
-        Some(solution) => Ok((solution, ignored)),
+        Some((solution, line)) => Ok(Executive { solution, line, ignored }),
         None => Err(reader.whole(
             "the file has no SOL, so there is nothing to compute",
             "add executive and case control (SOL 101, CEND, BEGIN BULK), or name the file in a model file: [mesh] with type = \"nastran\"",

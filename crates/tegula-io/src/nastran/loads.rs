@@ -15,6 +15,8 @@ pub(super) struct LoadSets {
     pressures: Vec<Pressure>,
     /// Accelerations by load set, with their lines.
     gravity: Vec<(u64, [f64; 3], usize)>,
+    /// Lengths of the vectors N of accelerations that differ from 1, with their lines.
+    pub lengths: Vec<(f64, usize)>,
     /// Combinations by their numbers: the load sets with their factors, and the line.
     combined: BTreeMap<u64, (Vec<(u64, f64)>, usize)>,
 }
@@ -25,7 +27,7 @@ impl LoadSets {
     /// # Errors
     /// The first mistake of a card.
     pub fn read(reader: &Reader<'_>, file: &File<'_>, bulk: &Bulk) -> Result<Self, MeshError> {
-        let mut gravity = Vec::new();
+        let (mut gravity, mut lengths) = (Vec::new(), Vec::new());
         for card in file.named("GRAV") {
             let set = card.id(reader, 0, "the load set")?;
             card.none(
@@ -36,6 +38,11 @@ impl LoadSets {
             )?;
             let size = card.required(reader, 2, "the acceleration")?;
             let along = loads::components(reader, card, 3)?;
+            let length = along.iter().map(|x| x * x).sum::<f64>().sqrt();
+            // Components of few digits have a length near 1.
+            if (length - 1.0).abs() > 1e-3 {
+                lengths.push((length, card.line));
+            }
             card.none(reader, 6, "MB", "leave it out")?;
             card.only(reader, 7)?;
             gravity.push((set, along.map(|x| size * x), card.line));
@@ -45,12 +52,15 @@ impl LoadSets {
             let set = card.id(reader, 0, "the number")?;
             let whole = card.required(reader, 1, "the scale factor")?;
             let mut parts: Vec<(u64, f64)> = Vec::new();
-            for at in (2..card.len())
+            for at in (2..card.count())
                 .step_by(2)
                 .filter(|&at| !(card.field(at).text.is_empty() && card.field(at + 1).text.is_empty()))
             {
                 let factor = card.required(reader, at, "a scale factor")?;
                 parts.push((card.id(reader, at + 1, "a load set")?, whole * factor));
+            }
+            if parts.is_empty() {
+                return Err(card.missing(reader, 2, "a scale factor with its load set"));
             }
             if combined.insert(set, (parts, card.line)).is_some() {
                 return Err(reader.error(
@@ -62,7 +72,7 @@ impl LoadSets {
         }
         let (nodal, pressures) =
             (loads::nodal(reader, file, &bulk.parts)?, loads::pressures(reader, file, &bulk.parts)?);
-        let sets = Self { nodal, pressures, gravity, combined };
+        let sets = Self { nodal, pressures, gravity, lengths, combined };
         match sets.combined.iter().find(|(set, _)| sets.has(**set)) {
             None => Ok(sets),
             Some((set, (_, line))) => Err(reader.error(
@@ -77,6 +87,11 @@ impl LoadSets {
         self.nodal.iter().any(|load| load.set == set)
             || self.pressures.iter().any(|load| load.set == set)
             || self.gravity.iter().any(|load| load.0 == set)
+    }
+
+    /// Load sets of a combination; none where the number is no combination.
+    pub fn combined(&self, set: u64) -> impl Iterator<Item = u64> {
+        self.combined.get(&set).into_iter().flat_map(|(parts, _)| parts.iter().map(|(set, _)| *set))
     }
 
     /// Loads of the number that a subcase selects on a line.

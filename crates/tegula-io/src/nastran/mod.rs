@@ -7,7 +7,7 @@
 //! | `parameters` | `PARAM` |
 //! | `materials`, `properties` | `MAT1`, `MAT8`; `PSHELL`, `PCOMP` |
 //! | `loads` | `LOAD`, `GRAV` and the load sets |
-//! | `notes` | what has no effect |
+//! | `notes`, `unused` | what has no effect, and what no analysis uses |
 //!
 //! The text names the input file as the mesh, and is read like every model file, with all its checks. Nothing of the input file is dropped
 //! without a message.
@@ -19,20 +19,27 @@ mod materials;
 mod notes;
 mod parameters;
 mod properties;
+mod unused;
 
 use std::path::Path;
 
+use tegula::Issue;
+
 use self::analyses::Step;
-use self::case_control::Control;
+use self::case_control::{Control, Solution};
 use self::loads::LoadSets;
 use self::notes::Notes;
 use self::parameters::Parameters;
 pub use crate::conversion::Converted;
+use crate::conversion::analyses::StepAnalysis;
 use crate::conversion::document::{Document, quoted, vector};
+use crate::conversion::loads::Load;
 use crate::conversion::supports::{self, Restraint};
-use crate::conversion::{Errors, Point, distinct, head, listed, write_points};
+use crate::conversion::{
+    Errors, Point, distinct, head, listed, unread, write_mesh, write_points, write_steps,
+};
 use crate::mesh::MeshError;
-use crate::mesh::nastran::bulk::{self, Bulk};
+use crate::mesh::nastran::bulk;
 use crate::mesh::nastran::file::{self, File};
 use crate::mesh::nastran::rigid::{self, Body};
 use crate::mesh::nastran::supports::Support;
@@ -59,6 +66,7 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     let mut keep = Errors(&mut errors);
     let mut notes = Notes::default();
     keep.add(unknown(&reader, &file));
+    keep.add(bulk::refused(&reader, &file));
     let bulk = keep.value(bulk::bulk(&reader, &file));
     let materials = keep.value(materials::materials(&reader, &file, &mut notes));
     let control = keep.value(case_control::control(&reader, &file));
@@ -79,7 +87,8 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     if let [step] = &steps[..] {
         step.analysis.write(&mut out, "[analysis]");
     }
-    mesh(&mut out, &file, mesh_file);
+    let line = file.named("GRID").next().map_or(1, |card| card.line);
+    write_mesh(&mut out, line, "GRID", "nastran", mesh_file);
     materials.values().for_each(|material| material.write(&mut out));
     let sections =
         keep.value(properties::sections(&reader, &file, &bulk, &materials, &mut notes)).unwrap_or_default();
@@ -87,36 +96,35 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     let bodies = keep.value(rigid::bodies(&reader, &file, &bulk.parts)).unwrap_or_default();
     bodies.iter().for_each(|body| write_body(&mut out, body));
     keep.value(write_supports(&mut out, &reader, &file, &bulk.parts));
-    keep.value(write_loads(&mut out, &reader, &file, &bulk, &steps));
-    let points = points(&file, &bulk.parts);
-    write_points(&mut out, &points, "DISPLACEMENT");
-    if !errors.is_empty() {
-        return Err(distinct(errors));
+    small_rotations(&mut notes, &control, &bodies, &steps);
+    let sets = keep.value(LoadSets::read(&reader, &file, &bulk));
+    if let Some(sets) = &sets {
+        keep.value(write_loads(&mut out, &reader, sets, steps));
     }
-    note(&mut notes, &file, &control, &parameters, &bodies, &steps, &bulk.parts);
-    Ok(Converted { text: out.text, lines: out.lines, warnings: notes.warning().into_iter().collect() })
+    write_points(&mut out, &points(&file, &bulk.parts), "DISPLACEMENT");
+    match sets {
+        Some(sets) if errors.is_empty() => {
+            let warnings = warnings(notes, (&reader, &file, &bulk.parts), &control, &parameters, &sets);
+            Ok(Converted { text: out.text, lines: out.lines, warnings })
+        }
+        _ => Err(distinct(errors)),
+    }
+}
+
+/// Notes that rigid elements have large rotations here, where those of Nastran have small ones.
+fn small_rotations(notes: &mut Notes, control: &Control, bodies: &[Body], steps: &[Step]) {
+    let small = control.solution.0 == Solution::Nonlinear(false);
+    let large = steps.iter().any(|step| step.analysis.is_nonlinear());
+    if let (Some(Body { name, line, .. }), true) = (bodies.first(), small && large) {
+        notes.phrases.push(format!("small rotations of {name} (line {line}), which here may have any size"));
+    }
 }
 
 /// One error for all cards that are not read.
 fn unknown(reader: &Reader<'_>, file: &File<'_>) -> Option<MeshError> {
-    let unknown =
-        |name: &str| !READ.contains(&name) && !SYSTEMS.contains(&name) && bulk::refusal(name).is_none();
-    let cards: Vec<_> = file.cards.iter().filter(|card| unknown(&card.name)).collect();
-    let first = cards.first()?;
-    let list = listed("", cards.iter().map(|card| (card.name.as_str(), card.line)));
-    Some(reader.error(
-        first.line,
-        format!("these cards are not read: {list}"),
-        "remove them, and add their counterparts to the model file that `tegula convert` writes of the rest",
-    ))
-}
-
-/// The table `[mesh]`.
-fn mesh(out: &mut Document, file: &File<'_>, name: &str) {
-    let line = file.named("GRID").next().map_or(1, |card| card.line);
-    out.table(line, "[mesh]", "GRID");
-    out.key(line, "type", "\"nastran\"");
-    out.key(line, "file", &quoted(name));
+    let known = |name: &str| READ.contains(&name) || SYSTEMS.contains(&name) || bulk::is_refused(name);
+    let unknown = file.cards.iter().filter(|card| !known(&card.name));
+    unread(reader, "", unknown.map(|card| (card.name.as_str(), card.line)))
 }
 
 /// A rigid patch.
@@ -163,26 +171,19 @@ fn write_supports(
     supports::write(out, reader, parts, "[[conditions]]", &restraints)
 }
 
-/// Loads of the analysis, or of each step with its analysis.
+/// Writes the loads of the analysis, or of each step with its analysis.
 fn write_loads(
     out: &mut Document,
     reader: &Reader<'_>,
-    file: &File<'_>,
-    bulk: &Bulk,
-    steps: &[Step],
+    sets: &LoadSets,
+    steps: Vec<Step>,
 ) -> Result<(), MeshError> {
-    let sets = LoadSets::read(reader, file, bulk)?;
-    let single = steps.len() == 1;
-    for step in steps {
-        let loads =
-            step.loads.map(|selected| sets.selected(reader, selected)).transpose()?.unwrap_or_default();
-        if !single {
-            out.table(step.analysis.line, "[[steps]]", "SUBCASE");
-            out.key(step.analysis.line, "name", &quoted(&step.analysis.name));
-            step.analysis.write(out, "[steps.analysis]");
-        }
-        loads.iter().for_each(|load| load.write(out, if single { "[[loads]]" } else { "[[steps.loads]]" }));
-    }
+    let loads: Vec<Vec<Load>> = steps
+        .iter()
+        .map(|step| step.loads.map_or(Ok(Vec::new()), |selected| sets.selected(reader, selected)))
+        .collect::<Result<_, _>>()?;
+    let analyses: Vec<StepAnalysis> = steps.into_iter().map(|step| step.analysis).collect();
+    write_steps(out, "SUBCASE", &analyses, &loads);
     Ok(())
 }
 
@@ -196,16 +197,14 @@ fn points(file: &File<'_>, parts: &Parts) -> Vec<Point> {
         .collect()
 }
 
-/// Notes of everything without effect.
-fn note(
-    notes: &mut Notes,
-    file: &File<'_>,
+/// Warnings of everything that has no effect, is not used, or means something else than one may expect.
+fn warnings(
+    mut notes: Notes,
+    (reader, file, parts): (&Reader<'_>, &File<'_>, &Parts),
     control: &Control,
     parameters: &Parameters,
-    bodies: &[Body],
-    steps: &[Step],
-    parts: &Parts,
-) {
+    sets: &LoadSets,
+) -> Vec<Issue> {
     let printed: Vec<usize> = bulk::printed(file, parts).into_iter().map(|(line, _)| line).collect();
     for (name, line) in control
         .ignored
@@ -218,19 +217,31 @@ fn note(
     for card in file.cards.iter().filter(|card| SYSTEMS.contains(&card.name.as_str())) {
         notes.add(card.name.clone(), card.line);
     }
-    for card in file.named("NLPARM").filter(|card| card.len() > 2) {
-        notes.add("NLPARM but for its increments", card.line);
+    for card in file.named("NLPARM").filter(|card| card.count() > 2) {
+        notes.add("all fields of NLPARM except the number of increments", card.line);
     }
-    if let (Some(body), true) = (
-        bodies.first(),
-        steps.iter().any(|step| step.analysis.card == "SOL 106" && step.analysis.is_nonlinear()),
-    ) {
-        notes.phrases.push(format!(
-            "small rotations of {} (line {}), which here may have any size",
-            body.name, body.line
-        ));
+    let dropped = crate::mesh::nastran::supports::without_effect(reader, file, parts).unwrap_or_default();
+    if let Some((node, line)) = dropped.first() {
+        let count = if let [_] = dropped[..] { "" } else { " and other nodes" };
+        notes.phrases.push(format!("the support of node {node} (line {line}){count}, as no element has it"));
     }
+    let approximate = parameters.approximate.iter().map(|(name, line)| (name.as_str(), *line));
+    let approximate = listed("PARAM,", approximate);
+    let approximate = (!approximate.is_empty()).then(|| {
+        let message = format!(
+            "these parameters change results a little in Nastran and have no counterpart here: {approximate}"
+        );
+        Issue::new("", message, "expect small differences between the results, or leave the parameters out")
+    });
+    let lengths = sets.lengths.iter().map(|(length, line)| {
+        let message = format!("the vector N of GRAV on line {line} has the length {length:.6}");
+        Issue::new("", message, "the acceleration is A times N, as in Nastran, which does not normalise N")
+    });
+    let unused = unused::warning(reader, file, control, sets);
+    notes.warning().into_iter().chain(approximate).chain(unused).chain(lengths).collect()
 }
 
+#[cfg(test)]
+mod selection_tests;
 #[cfg(test)]
 mod tests;

@@ -2,7 +2,7 @@
 
 use tegula::Issue;
 
-use crate::conversion::listed;
+use crate::conversion::{listed, without_effect};
 use crate::mesh::nastran::cards::Card;
 
 /// Cards, commands and fields without effect, each with its line.
@@ -35,9 +35,6 @@ impl Notes {
         let all: Vec<&str> =
             [named.as_str()].into_iter().chain(self.phrases.iter().map(String::as_str)).collect();
         let list: Vec<&str> = all.into_iter().filter(|part| !part.is_empty()).collect();
-        let help = "results are those of `[output]` in the model file, which `tegula convert` writes";
-        (!list.is_empty()).then(|| {
-            Issue::new("", format!("parts of the input file without effect: {}", list.join("; ")), help)
-        })
+        without_effect("parts", &list.join("; "))
     }
 }

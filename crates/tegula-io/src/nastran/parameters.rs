@@ -8,11 +8,14 @@ use crate::mesh::numbered::{Reader, shown};
 
 /// Parameters without effect: numerics, printing, and stiffness of drilling rotations, which do not exist here.
 const IGNORED: &[&str] = &[
-    "AUTOSPC", "AUTOSPCR", "K6ROT", "POST", "PRGPST", "PRPGST", "GRDPNT", "MAXRATIO", "BAILOUT", "COUPMASS",
-    "DBALL", "SNORM", "OGEOM", "PRTMAXIM", "RESVEC", "FOLLOWK", "NLAYERS", "USETPRT", "EPZERO", "EPPRT",
-    "AUTOMSET", "OUGCORD", "PATVER", "POSTEXT", "OIBULK", "OMACHPR", "CHECKOUT", "NOCOMPS", "TINY",
-    "PRTRESLT", "SIGMA", "LMODES", "STRESS", "MARCBUG", "NASPRT", "DESPCH", "COMPMATT",
+    "AUTOSPC", "AUTOSPCR", "K6ROT", "POST", "PRGPST", "GRDPNT", "MAXRATIO", "BAILOUT", "DBALL", "OGEOM",
+    "PRTMAXIM", "RESVEC", "NLAYERS", "USETPRT", "EPZERO", "EPPRT", "AUTOMSET", "OUGCORD", "PATVER",
+    "POSTEXT", "OIBULK", "OMACHPR", "CHECKOUT", "NOCOMPS", "TINY", "PRTRESLT", "SIGMA", "LMODES", "STRESS",
+    "MARCBUG", "NASPRT", "DESPCH", "COMPMATT",
 ];
+
+/// Parameters that change results a little in Nastran and have no counterpart here.
+const APPROXIMATE: &[&str] = &["COUPMASS", "SNORM"];
 
 /// Parameters that are read.
 #[derive(Debug, Default)]
@@ -21,6 +24,8 @@ pub(super) struct Parameters {
     pub large_displacements: Option<bool>,
     /// Parameters without effect, with their lines.
     pub ignored: Vec<(String, usize)>,
+    /// Parameters that change results a little in Nastran, with their lines.
+    pub approximate: Vec<(String, usize)>,
 }
 
 /// Reads the parameters of bulk data and case control.
@@ -48,6 +53,13 @@ pub(super) fn parameters(reader: &Reader<'_>, file: &File<'_>) -> Result<Paramet
                     "leave it out, and give densities as masses in consistent units: multiply RHO of each material by it",
                 ));
             }
+            "LGDISP" if file.in_subcase(line) => {
+                return Err(reader.error(
+                    line,
+                    "PARAM,LGDISP of a subcase is not read",
+                    "write it above all subcases or into the bulk data: it holds for all of them",
+                ));
+            }
             "LGDISP" => match number.map(|n| n as i64) {
                 Some(1) => out.large_displacements = Some(true),
                 Some(-1 | 0) => out.large_displacements = Some(false),
@@ -60,12 +72,23 @@ pub(super) fn parameters(reader: &Reader<'_>, file: &File<'_>) -> Result<Paramet
                     ));
                 }
             },
+            "FOLLOWK" if matches!(value.to_uppercase().as_str(), "" | "YES") => {
+                out.ignored.push((name, line))
+            }
+            "FOLLOWK" => {
+                return Err(reader.error(
+                    line,
+                    format!("PARAM,FOLLOWK is {}", shown(value)),
+                    "leave it out: pressures follow the surface, and buckling has their load stiffness",
+                ));
+            }
             "INREL" if number != Some(0.0) => {
                 let help =
                     "give `inertia_relief = true` in the model file that `tegula convert` writes of the rest";
                 return Err(reader.error(line, "PARAM,INREL is not read", help));
             }
             "INREL" => out.ignored.push((name, line)),
+            known if APPROXIMATE.contains(&known) => out.approximate.push((name, line)),
             known if IGNORED.contains(&known) => out.ignored.push((name, line)),
             _ => {
                 return Err(reader.error(

@@ -6,7 +6,7 @@ use super::notes::Notes;
 use crate::conversion::materials::{Elastic, Material};
 use crate::conversion::sections::{Layers, Ply, Section};
 use crate::mesh::MeshError;
-use crate::mesh::nastran::angles;
+use crate::mesh::nastran::angles::Properties;
 use crate::mesh::nastran::bulk::Bulk;
 use crate::mesh::nastran::cards::Card;
 use crate::mesh::nastran::file::File;
@@ -34,7 +34,7 @@ pub(super) fn sections(
 ) -> Result<Vec<Section>, MeshError> {
     let mut out = Vec::new();
     let mut lines: BTreeMap<u64, usize> = BTreeMap::new();
-    let used = angles::properties(bulk);
+    let used = Properties::new(file, bulk);
     for card in &file.cards {
         let (is_layup, keyword) = match card.name.as_str() {
             "PSHELL" => (false, "PSHELL"),
@@ -49,7 +49,7 @@ pub(super) fn sections(
                 "give each property a number of its own",
             ));
         }
-        if !used.contains(&number) {
+        if !used.has(number) {
             notes.add(format!("{keyword} {number}, which no element has"), card.line);
             continue;
         }
@@ -58,7 +58,7 @@ pub(super) fn sections(
         } else {
             shell(reader, card, materials, notes)?
         };
-        for group in angles::groups(reader, file, bulk, number)? {
+        for group in used.groups(reader, bulk, number)? {
             let layers = match &property.layers {
                 Layers::One { material, thickness, line } => {
                     Layers::One { material: material.clone(), thickness: *thickness, line: *line }
@@ -175,7 +175,7 @@ fn layup(
     };
     let mut plies: Vec<Ply> = Vec::new();
     let (mut material, mut thickness) = (None, None);
-    for at in (8..card.len()).step_by(4) {
+    for at in (8..card.count()).step_by(4) {
         let line = card.field(at).line;
         if (at..at + 4).all(|i| card.field(i).text.is_empty()) {
             continue;

@@ -8,24 +8,24 @@ use serde_json::Value;
 use super::convert;
 use crate::deck::{Deck, Diagnostic};
 
-const CONTROL: &str = "SOL 101\nCEND\nTITLE = A \"strip\"\nSPC = 1\nLOAD = 2\nBEGIN BULK\n";
+pub(super) const CONTROL: &str = "SOL 101\nCEND\nTITLE = A \"strip\"\nSPC = 1\nLOAD = 2\nBEGIN BULK\n";
 /// Strip of two shells in the plane z = 0, normals along z.
 const MESH: &str = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,2.,0.,0.\nGRID,4,,0.,1.,0.\nGRID,5,,1.,1.,0.\nGRID,6,,2.,1.,0.\n\
                     CQUAD4,1,3,1,2,5,4\nCQUAD4,2,3,2,3,6,5\n";
 const SECTION: &str = "PSHELL,3,4,0.5,4,,4\n";
 const MATERIAL: &str = "MAT1,4,210.+3,,0.3,7.85-9,1.2-5\n";
-const SUPPORT: &str = "SPC1,1,123456,1,4\n";
-const LOAD: &str = "FORCE,2,3,,-2.,0.,0.,1.\nFORCE,2,6,,2.,0.,0.,-1.\n";
+pub(super) const SUPPORT: &str = "SPC1,1,123456,1,4\n";
+pub(super) const LOAD: &str = "FORCE,2,3,,-2.,0.,0.,1.\nFORCE,2,6,,2.,0.,0.,-1.\n";
 
 fn deck(parts: [&str; 6]) -> String {
     parts.concat()
 }
 
-fn strip() -> String {
+pub(super) fn strip() -> String {
     deck([CONTROL, MESH, SECTION, MATERIAL, SUPPORT, LOAD])
 }
 
-fn text_of(deck: &str) -> String {
+pub(super) fn text_of(deck: &str) -> String {
     match convert(Path::new("strip.bdf"), deck.as_bytes(), "strip.bdf") {
         Ok(converted) => {
             assert_eq!(converted.text.lines().count(), converted.lines.len());
@@ -35,7 +35,7 @@ fn text_of(deck: &str) -> String {
     }
 }
 
-fn model(deck: &str) -> Value {
+pub(super) fn model(deck: &str) -> Value {
     serde_json::to_value(Deck::parse("strip.toml", text_of(deck)).unwrap().model).unwrap()
 }
 
@@ -45,7 +45,7 @@ fn warning(deck: &str) -> String {
 }
 
 /// Messages of a deck, each with its line.
-fn mistakes(deck: &str) -> Vec<(usize, String)> {
+pub(super) fn mistakes(deck: &str) -> Vec<(usize, String)> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("strip.bdf");
     std::fs::write(&path, deck).unwrap();
@@ -74,7 +74,7 @@ fn refused(from: &str, to: &str, message: &str) {
     );
 }
 
-fn json(text: &str) -> Value {
+pub(super) fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap()
 }
 
@@ -266,13 +266,13 @@ fn constraints_of_a_node_are_taken_together() {
         strip().replace(SUPPORT, "SPC1,1,1,1\n").replace("GRID,1,,0.,0.,0.", "GRID,1,,0.,0.,0.,,23");
     assert_eq!(model(&permanent)["conditions"], json(r#"[{"type": "spherical", "on": "SPC 123"}]"#));
     for (cards, message) in [
-        ("SPC1,1,127,1\n", "\"127\" are no degrees of freedom"),
+        ("SPC1,1,127,1\n", "\"127\" is not a list of degrees of freedom"),
         ("SPC1,1,123,1,99\n", "the file has no node 99"),
         ("SPC1,2,123,1\n", "there is no SPC or SPC1 of the set 1"),
         ("SPC,1,1,1,0.5\nSPC1,1,1,1\n", "degree of freedom 1 of node 1 gets 0, and 0.5 on line 17"),
         ("SPC,1,1,4,0.5\n", "the rotation 0.5 is prescribed"),
         ("SPC,1,1,1,5\n", "the displacement of SPC is \"5\", which is no real number"),
-        ("SPC1,1,,1\n", "\"\" are no degrees of freedom"),
+        ("SPC1,1,,1\n", "\"\" is not a list of degrees of freedom"),
     ] {
         let found = mistakes(&strip().replace(SUPPORT, cards)).remove(0).1;
         assert!(found.starts_with(message), "{found}\nfor {message}");

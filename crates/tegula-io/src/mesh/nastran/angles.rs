@@ -3,14 +3,15 @@
 //! `THETA` of a `CQUAD4` is the angle of the first axis of the material from the side of its first two nodes, about its normal; `MCID` 0 stands for the x axis. A section has
 //! one direction, which is projected on the surface. So the elements of a property whose material has axes are parted by their directions.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use tegula::Vec3;
 
-use super::bulk::{Bulk, property_set};
+use super::bulk::{Bulk, Shell, property_set};
+use super::cards::Card;
 use super::file::File;
 use crate::mesh::MeshError;
-use crate::mesh::numbered::Reader;
+use crate::mesh::numbered::{Element, Reader};
 
 /// Directions within this angle (radians) are one.
 const SAME: f64 = 1e-5;
@@ -28,37 +29,63 @@ pub struct Group {
     pub direction: Option<[f64; 3]>,
 }
 
-/// Numbers of the properties of elements, in ascending order.
-pub fn properties(bulk: &Bulk) -> BTreeSet<u64> {
-    bulk.shells.iter().map(|shell| shell.property).collect()
+/// Elements of all properties, and which properties have axes.
+pub struct Properties<'b> {
+    elements: BTreeMap<u64, Vec<(&'b Element, &'b Shell)>>,
+    oriented: BTreeSet<u64>,
 }
 
-/// Whether a property needs a direction: a `PCOMP`, whose default direction may be normal to it, or a `MAT8`.
-fn has_axes(file: &File<'_>, property: u64) -> bool {
-    let number = |field: &str| field.parse::<u64>().ok();
-    let own = |card: &&super::cards::Card<'_>| number(card.field(0).text) == Some(property);
-    let material = file.named("PSHELL").find(own).and_then(|card| number(card.field(1).text));
-    let oriented = |card: &super::cards::Card<'_>| number(card.field(0).text) == material;
-    file.named("PCOMP").any(|card| own(&card)) || (material.is_some() && file.named("MAT8").any(oriented))
+impl<'b> Properties<'b> {
+    /// Elements by their properties, in the order of the file.
+    pub fn new(file: &File<'_>, bulk: &'b Bulk) -> Self {
+        let mut elements: BTreeMap<u64, Vec<(&Element, &Shell)>> = BTreeMap::new();
+        for (element, shell) in bulk.parts.elements.iter().zip(&bulk.shells) {
+            elements.entry(shell.property).or_default().push((element, shell));
+        }
+        Self { elements, oriented: oriented(file) }
+    }
+
+    /// Numbers of the properties of elements, in ascending order.
+    pub fn numbers(&self) -> impl Iterator<Item = u64> {
+        self.elements.keys().copied()
+    }
+
+    /// Whether an element has a property.
+    pub fn has(&self, property: u64) -> bool {
+        self.elements.contains_key(&property)
+    }
+
+    /// Parts the elements of a property by the directions of their material.
+    ///
+    /// # Errors
+    /// A coordinate system gives the axes of a material, or there are too many directions.
+    pub fn groups(&self, reader: &Reader<'_>, bulk: &Bulk, property: u64) -> Result<Vec<Group>, MeshError> {
+        let own = self.elements.get(&property).map_or(&[][..], Vec::as_slice);
+        if !self.oriented.contains(&property) {
+            let elements = own.iter().map(|(element, _)| element.label).collect();
+            return Ok(vec![Group { name: property_set(property), elements, direction: None }]);
+        }
+        parted(reader, bulk, property, own)
+    }
 }
 
-/// Parts the elements of a property by the directions of their material.
-///
-/// # Errors
-/// A coordinate system gives the axes of a material, or there are too many directions.
-pub fn groups(
+/// Properties that need a direction: each `PCOMP`, whose default direction may be normal to it, and those with a `MAT8`.
+fn oriented(file: &File<'_>) -> BTreeSet<u64> {
+    let number = |card: &Card<'_>, index: usize| card.field(index).text.parse::<u64>().ok();
+    let materials: BTreeSet<u64> = file.named("MAT8").filter_map(|card| number(card, 0)).collect();
+    let with_axes = |card: &&Card<'_>| number(card, 1).is_some_and(|material| materials.contains(&material));
+    file.named("PCOMP").chain(file.named("PSHELL").filter(with_axes)).filter_map(|card| number(card, 0)).collect()
+}
+
+/// Groups of elements whose material has axes.
+fn parted(
     reader: &Reader<'_>,
-    file: &File<'_>,
     bulk: &Bulk,
     property: u64,
+    own: &[(&Element, &Shell)],
 ) -> Result<Vec<Group>, MeshError> {
-    let own = bulk.parts.elements.iter().zip(&bulk.shells).filter(|(_, shell)| shell.property == property);
-    if !has_axes(file, property) {
-        let elements = own.map(|(element, _)| element.label).collect();
-        return Ok(vec![Group { name: property_set(property), elements, direction: None }]);
-    }
     let mut found: Vec<(Vec3, Vec<u64>)> = Vec::new();
-    for (element, shell) in own {
+    for &(element, shell) in own {
         if shell.system.is_some_and(|system| system != 0) {
             return Err(reader.error(
                 element.line,

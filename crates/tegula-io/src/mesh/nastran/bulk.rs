@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 
 use tegula::Vec3;
 
+use super::angles::Properties;
 use super::cards::Card;
 use super::file::File;
-use super::{angles, loads, rigid, supports};
+use super::{loads, rigid, supports};
 use crate::mesh::MeshError;
 use crate::mesh::numbered::{Element, MOST_PRINTED, Parts, Reader, shown};
 
@@ -30,8 +31,8 @@ pub struct Shell {
     pub system: Option<i64>,
 }
 
-/// Elements that are not read, with the remedy.
-const ELEMENTS: &[(&str, &str)] = &[
+/// Cards of the mesh that are not read, with the remedy.
+const MESH: &[(&str, &str)] = &[
     ("CTRIA3", "mesh the surface with quadrilaterals, CQUAD4"),
     ("CTRIAR", "mesh the surface with quadrilaterals, CQUAD4"),
     ("CTRIA6", "mesh the surface with quadrilaterals, CQUAD4"),
@@ -39,36 +40,48 @@ const ELEMENTS: &[(&str, &str)] = &[
     ("CQUADR", "write CQUAD4: there is no drilling rotation here"),
     ("CQUAD", "mesh the surface with quadrilaterals of four nodes, CQUAD4"),
     ("CSHEAR", "give the web as CQUAD4"),
-    (
-        "CBAR",
-        "give stiffeners as CQUAD4, or beams in the model file that `tegula convert` writes of the rest",
-    ),
-    (
-        "CBEAM",
-        "give stiffeners as CQUAD4, or beams in the model file that `tegula convert` writes of the rest",
-    ),
+    ("CHEXA", "only shells are read: mesh the middle surface with CQUAD4"),
+    ("CPENTA", "only shells are read: mesh the middle surface with CQUAD4"),
+    ("CPYRAM", "only shells are read: mesh the middle surface with CQUAD4"),
+    ("CTETRA", "only shells are read: mesh the middle surface with CQUAD4"),
+    ("GRDSET", "write the coordinate systems and constraints of each GRID on it"),
+];
+
+/// Cards that are not read as a part of a model, with the remedy; where the file is a mesh alone, the model file has their counterparts.
+const MODEL: &[(&str, &str)] = &[
+    ("CBAR", "give stiffeners as CQUAD4, or beams in the model file that `tegula convert` writes of the rest"),
+    ("CBEAM", "give stiffeners as CQUAD4, or beams in the model file that `tegula convert` writes of the rest"),
     ("CROD", "give beams or springs in the model file that `tegula convert` writes of the rest"),
     ("CONROD", "give beams or springs in the model file that `tegula convert` writes of the rest"),
     ("CBUSH", "give `[[bushings]]` in the model file that `tegula convert` writes of the rest"),
     ("CELAS1", "give `[[springs]]` in the model file that `tegula convert` writes of the rest"),
     ("CELAS2", "give `[[springs]]` in the model file that `tegula convert` writes of the rest"),
     ("CONM2", "give `[[masses]]` in the model file that `tegula convert` writes of the rest"),
-    ("CHEXA", "only shells are read: mesh the middle surface with CQUAD4"),
-    ("CPENTA", "only shells are read: mesh the middle surface with CQUAD4"),
-    ("CTETRA", "only shells are read: mesh the middle surface with CQUAD4"),
-    ("RBAR", "give a RBE2"),
-    ("RBE1", "give a RBE2"),
+    ("RBAR", "give an RBE2"),
+    ("RBE1", "give an RBE2"),
     (
         "RBE3",
         "give a body with `distributed` in the model file that `tegula convert` writes of the rest: its weights are areas or lengths",
     ),
     ("MPC", "equations between degrees of freedom are not read"),
-    ("GRDSET", "write the coordinate systems and constraints of each GRID on it"),
 ];
 
-/// Why an element cannot be read; `None` where it is, or is no element.
-pub fn refusal(name: &str) -> Option<&'static str> {
-    ELEMENTS.iter().find(|(other, _)| *other == name).map(|(_, help)| *help)
+/// Whether a card is refused by a message of its own.
+pub fn is_refused(name: &str) -> bool {
+    MESH.iter().chain(MODEL).any(|(other, _)| *other == name)
+}
+
+/// Error of the first card of a model that has no counterpart in the conversion.
+pub fn refused(reader: &Reader<'_>, file: &File<'_>) -> Option<MeshError> {
+    first(reader, file, MODEL)
+}
+
+/// Error of the first card of a list.
+fn first(reader: &Reader<'_>, file: &File<'_>, list: &[(&str, &str)]) -> Option<MeshError> {
+    file.cards.iter().find_map(|card| {
+        let (name, help) = list.iter().find(|(name, _)| *name == card.name)?;
+        Some(reader.error(card.line, format!("{name} is not read"), *help))
+    })
 }
 
 /// Name of the set of the elements of a property.
@@ -76,15 +89,13 @@ pub fn property_set(property: u64) -> String {
     format!("property {property}")
 }
 
-/// Reads grid points and elements, and makes the sets that the other cards need. Mistakes of these are not told here.
+/// Reads grid points and elements, and makes the sets that the other cards need. Their mistakes are reported by the conversion.
 ///
 /// # Errors
 /// The first mistake of a node or an element.
 pub fn bulk(reader: &Reader<'_>, file: &File<'_>) -> Result<Bulk, MeshError> {
-    for card in &file.cards {
-        if let Some(help) = refusal(&card.name) {
-            return Err(reader.error(card.line, format!("{} is not read", card.name), help));
-        }
+    if let Some(error) = first(reader, file, MESH) {
+        return Err(error);
     }
     let mut bulk = Bulk::default();
     for card in file.named("GRID") {
@@ -118,8 +129,9 @@ fn sets(reader: &Reader<'_>, file: &File<'_>, bulk: &mut Bulk) {
     }
     let pressures = loads::pressures(reader, file, &bulk.parts).unwrap_or_default();
     elements.extend(pressures.into_iter().map(|found| (found.name, found.elements)));
-    for property in angles::properties(bulk) {
-        let groups = angles::groups(reader, file, bulk, property).unwrap_or_default();
+    let properties = Properties::new(file, bulk);
+    for property in properties.numbers() {
+        let groups = properties.groups(reader, bulk, property).unwrap_or_default();
         elements.extend(groups.into_iter().map(|group| (group.name, group.elements)));
     }
     for (_, printed) in printed(file, &bulk.parts) {
@@ -167,12 +179,12 @@ fn node(reader: &Reader<'_>, card: &Card<'_>, parts: &mut Parts) -> Result<(), M
     let label = card.id(reader, 0, "the number")?;
     let global =
         "give coordinates, supports and loads in the basic coordinate system, without CORD2R and the like";
-    card.none(reader, 1, &format!("the coordinate system CP of node {label}"), global)?;
+    card.zero(reader, 1, &format!("the coordinate system CP of node {label}"), global)?;
     let mut position = Vec3::zeros();
     for (axis, x) in position.iter_mut().enumerate() {
         *x = card.real(reader, 2 + axis, "a coordinate")?.unwrap_or(0.0);
     }
-    card.none(reader, 5, &format!("the coordinate system CD of node {label}"), global)?;
+    card.zero(reader, 5, &format!("the coordinate system CD of node {label}"), global)?;
     card.none(reader, 7, "the superelement", "give a model without superelements")?;
     card.only(reader, 8)?;
     match parts.nodes.insert(label, (position, card.line)) {

@@ -87,6 +87,7 @@ pub fn cards<'t>(
         if content.trim().is_empty() {
             continue;
         }
+        not_included(reader, number, content)?;
         let Line { name, large, data, continuation } = taken_apart(reader, number, content)?;
         let continues = name.is_empty() || name.starts_with(['+', '*']);
         let fields = data.into_iter().map(|text| Field { text, line: number });
@@ -104,16 +105,8 @@ pub fn cards<'t>(
                 ));
             };
             let own = name.trim_start_matches(['+', '*']);
-            if !own.is_empty() && !mnemonic.is_empty() && !own.eq_ignore_ascii_case(mnemonic) {
-                return Err(reader.error(
-                    number,
-                    format!(
-                        "the line \"{}\" does not continue the one before, which asks for \"{}\"",
-                        shown(own),
-                        shown(mnemonic)
-                    ),
-                    "put continuations right behind the lines that they continue",
-                ));
+            if !own.is_empty() && !own.eq_ignore_ascii_case(mnemonic) {
+                return Err(detached(reader, number, own, mnemonic));
             }
             card.fields.extend(fields);
         } else {
@@ -122,7 +115,7 @@ pub fn cards<'t>(
                 return Err(reader.error(
                     number,
                     format!("\"{}\" is not the name of a card", shown(&name)),
-                    "a line of bulk data begins with a name such as GRID; generated lines (=) and INCLUDE are not read",
+                    "a line of bulk data begins with a name such as GRID; generated lines (=) are not read",
                 ));
             }
             cards.push(Card { name, line: number, fields: fields.collect() });
@@ -136,6 +129,36 @@ pub fn cards<'t>(
         }
     }
     Ok(cards)
+}
+
+/// Error of a line whose name is not the continuation name of the line before.
+fn detached(reader: &Reader<'_>, number: usize, own: &str, mnemonic: &str) -> MeshError {
+    let expected = match mnemonic {
+        "" => "has no continuation name".to_owned(),
+        name => format!("asks for \"{}\"", shown(name)),
+    };
+    reader.error(
+        number,
+        format!("the line \"{}\" does not continue the one before, which {expected}", shown(own)),
+        "put continuations right behind the lines that they continue, with the same name in field 10, or begin them with a bare +",
+    )
+}
+
+/// Refuses a line that includes another file.
+///
+/// # Errors
+/// The line does so.
+pub fn not_included(reader: &Reader<'_>, number: usize, line: &str) -> Result<(), MeshError> {
+    let line = line.trim_start();
+    let end = line.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(line.len());
+    match line.get(..end) {
+        Some(word) if word.eq_ignore_ascii_case("INCLUDE") => Err(reader.error(
+            number,
+            "INCLUDE is not read",
+            "write the lines of the other file in its place",
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// Name, data fields and continuation field of a line.
@@ -204,13 +227,8 @@ impl<'a> Card<'a> {
     }
 
     /// Number of data fields up to the last one that is not blank.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.fields.len()
-    }
-
-    /// Whether all data fields are blank.
-    pub fn is_empty(&self) -> bool {
-        self.fields.is_empty()
     }
 
     /// A real number; `None` where the field is blank.
@@ -276,6 +294,14 @@ impl<'a> Card<'a> {
     /// # Errors
     /// It is not.
     pub fn none(&self, reader: &Reader<'_>, index: usize, what: &str, help: &str) -> Result<(), MeshError> {
+        self.zero(reader, index, &format!("{what} of {}", self.name), help)
+    }
+
+    /// Refuses a field that is neither blank nor 0, with a message that begins with `what`.
+    ///
+    /// # Errors
+    /// It is not.
+    pub fn zero(&self, reader: &Reader<'_>, index: usize, what: &str, help: &str) -> Result<(), MeshError> {
         let field = self.field(index);
         let zero = numbers::real(field.text) == Some(0.0) || numbers::integer(field.text) == Some(0);
         if field.text.is_empty() || zero {
@@ -283,7 +309,7 @@ impl<'a> Card<'a> {
         }
         Err(reader.error(
             field.line,
-            format!("{what} of {} is {}, which is not read", self.name, shown(field.text)),
+            format!("{what} is {}, which is not read", shown(field.text)),
             help,
         ))
     }
@@ -306,10 +332,14 @@ impl<'a> Card<'a> {
     /// Error of a field that must not be blank.
     pub fn missing(&self, reader: &Reader<'_>, index: usize, what: &str) -> MeshError {
         let line = if index < self.fields.len() { self.field(index).line } else { self.line };
+        let row = match index / FIELDS {
+            0 => String::new(),
+            row => format!(" of line {} of the card", row + 1),
+        };
         reader.error(
             line,
             format!("{what} of {} is missing", self.name),
-            format!("fill field {}", index % FIELDS + 2),
+            format!("fill field {}{row}", index % FIELDS + 2),
         )
     }
 
@@ -328,7 +358,7 @@ impl<'a> Card<'a> {
         let mut out: Vec<u64> = Vec::new();
         let mut first = None;
         let mut thru = None;
-        for at in index..self.len() {
+        for at in index..self.count() {
             let field = self.field(at);
             if field.text.is_empty() {
                 continue;

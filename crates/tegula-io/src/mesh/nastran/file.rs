@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::cards::{self, Card};
 use crate::mesh::MeshError;
-use crate::mesh::numbered::{self, Reader, shown};
+use crate::mesh::numbered::{self, Reader};
 
 /// First letters of the commands whose value is any text.
 const TITLES: &[&str] = &["TITL", "SUBT", "LABE"];
@@ -18,8 +18,6 @@ pub struct File<'a> {
     pub case: Vec<Command>,
     /// Cards of the bulk data.
     pub cards: Vec<Card<'a>>,
-    /// Whether there are executive and case control.
-    pub complete: bool,
 }
 
 /// A command of the case control, such as `DISPLACEMENT(PRINT) = ALL`.
@@ -27,6 +25,8 @@ pub struct File<'a> {
 pub struct Command {
     /// Its name in capitals, without what stands in brackets behind it.
     pub name: String,
+    /// What stands in the brackets, in capitals.
+    pub option: String,
     /// Value; what stands behind the equal sign or the name.
     pub value: String,
     /// Its line.
@@ -50,10 +50,10 @@ pub fn is_complete(text: &str) -> bool {
     text.lines().any(begins_bulk)
 }
 
-/// Takes the text of a file apart.
+/// Takes the text of a file apart. What stands behind `ENDDATA` has no meaning.
 ///
 /// # Errors
-/// Sections are incomplete, text stands behind `ENDDATA`, or a card cannot be read.
+/// Sections are incomplete, another file is included, or a card cannot be read.
 pub fn file<'t>(reader: &Reader<'_>, text: &'t str) -> Result<File<'t>, MeshError> {
     let lines: Vec<(usize, &str)> = text.lines().enumerate().map(|(i, line)| (i + 1, line)).collect();
     let word = |line: &str, word: &str| cards::content(line).trim().eq_ignore_ascii_case(word);
@@ -76,14 +76,7 @@ pub fn file<'t>(reader: &Reader<'_>, text: &'t str) -> Result<File<'t>, MeshErro
         }
     };
     let end = bulk_lines.iter().position(|(_, line)| word(line, "ENDDATA"));
-    let behind = bulk_lines.get(end.map_or(bulk_lines.len(), |end| end + 1)..).unwrap_or_default();
-    if let Some((line, text)) = behind.iter().find(|(_, line)| !cards::content(line).trim().is_empty()) {
-        return Err(reader.error(
-            *line,
-            format!("\"{}\" stands behind ENDDATA", shown(text.trim())),
-            "remove it, or move ENDDATA to the end",
-        ));
-    }
+    control.iter().try_for_each(|(line, text)| cards::not_included(reader, *line, text))?;
     let used = bulk_lines.get(..end.unwrap_or(bulk_lines.len())).unwrap_or_default();
     let statements = |of: &[(usize, &'t str)]| -> Vec<(usize, &'t str)> {
         of.iter()
@@ -95,7 +88,6 @@ pub fn file<'t>(reader: &Reader<'_>, text: &'t str) -> Result<File<'t>, MeshErro
         executive: statements(executive),
         case: commands(&statements(case)),
         cards: cards::cards(reader, used.iter().copied())?,
-        complete: bulk.is_some(),
     })
 }
 
@@ -110,12 +102,13 @@ fn commands(lines: &[(usize, &str)]) -> Vec<Command> {
             let end = text.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(text.len());
             let (name, rest) = text.split_at(end);
             let rest = rest.trim_start();
-            let rest = match rest.strip_prefix('(') {
-                Some(inside) => inside.split_once(')').map_or(inside, |(_, behind)| behind).trim_start(),
-                None => rest,
+            let (option, rest) = match rest.strip_prefix('(') {
+                Some(inside) => inside.split_once(')').unwrap_or(("", inside)),
+                None => ("", rest),
             };
+            let (option, rest) = (option.trim().to_uppercase(), rest.trim_start());
             let value = rest.strip_prefix('=').unwrap_or(rest).trim();
-            out.push(Command { name: name.to_uppercase(), value: value.to_owned(), line: *line });
+            out.push(Command { name: name.to_uppercase(), option, value: value.to_owned(), line: *line });
         }
         // A title may end with a comma.
         let title =
@@ -125,15 +118,40 @@ fn commands(lines: &[(usize, &str)]) -> Vec<Command> {
     out
 }
 
+/// Whether a command begins a subcase; its name may be cut off behind the fourth letter.
+fn begins_subcase(command: &Command) -> bool {
+    command.name.len() >= 4 && "SUBCASE".starts_with(&command.name)
+}
+
 impl File<'_> {
     /// Cards of a name.
     pub fn named<'s>(&'s self, name: &'s str) -> impl Iterator<Item = &'s Card<'s>> {
         self.cards.iter().filter(move |card| card.name == name)
     }
 
-    /// Number of the set of supports, where the case control selects one.
-    pub fn support_set(&self) -> Option<u64> {
-        let command = self.case.iter().find(|command| command.name == "SPC")?;
-        command.value.parse().ok()
+    /// Commands that hold in each subcase, of which the last one of a name counts: those above all subcases, then `SUBCASE` and its own ones. One list where there are no subcases.
+    pub fn subcases(&self) -> Vec<Vec<&Command>> {
+        let (mut above, mut out): (Vec<&Command>, Vec<Vec<&Command>>) = (Vec::new(), Vec::new());
+        for command in &self.case {
+            if begins_subcase(command) {
+                out.push(above.iter().copied().chain([command]).collect());
+            } else {
+                out.last_mut().unwrap_or(&mut above).push(command);
+            }
+        }
+        if out.is_empty() { vec![above] } else { out }
+    }
+
+    /// Whether a line of the case control belongs to a subcase.
+    pub fn in_subcase(&self, line: usize) -> bool {
+        self.case.iter().any(|command| command.line == line)
+            && self.case.iter().any(|command| begins_subcase(command) && command.line < line)
+    }
+
+    /// Number of the set of supports, where the first subcase selects one, with the line of the command.
+    pub fn support_set(&self) -> Option<(u64, usize)> {
+        let subcases = self.subcases();
+        let command = subcases.first()?.iter().rev().find(|command| command.name == "SPC")?;
+        Some((command.value.parse().ok()?, command.line))
     }
 }

@@ -97,7 +97,7 @@ pub fn nodal(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec<
             return Err(reader.error(
                 line,
                 message,
-                "load nodes of elements, or the independent node of a RBE2",
+                "load nodes of elements, or the independent node of an RBE2",
             ));
         }
         // A zero of either sign is the same value.
@@ -236,5 +236,13 @@ fn pload4(
             "write THRU and the last element, or leave them blank; corners of solids are not read",
         ));
     }
-    Ok(known.range(first..=last).copied().collect())
+    let found: Vec<u64> = known.range(first..=last).copied().collect();
+    if found.is_empty() {
+        return Err(reader.error(
+            word.line,
+            format!("the file has no element from {first} to {last}"),
+            "check the numbers of the elements",
+        ));
+    }
+    Ok(found)
 }

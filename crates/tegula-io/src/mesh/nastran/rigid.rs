@@ -46,7 +46,7 @@ pub fn bodies(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec
         }
         // A real number at the end is the thermal expansion.
         let expansion = |field: &super::cards::Field<'_>| super::numbers::real(field.text);
-        let last = card.len().saturating_sub(1);
+        let last = card.count().saturating_sub(1);
         if expansion(&card.field(last)).is_some_and(|alpha| alpha != 0.0) {
             let help = "leave it out: there are no temperatures";
             return Err(reader.error(
@@ -75,7 +75,7 @@ pub fn bodies(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec
             return Err(reader.error(
                 card.line,
                 format!(
-                    "RBE2 {label} has its number or its independent node from the one on line {}",
+                    "RBE2 {label} has the same number or the same independent node as the RBE2 on line {}",
                     other.line
                 ),
                 "join the two into one",

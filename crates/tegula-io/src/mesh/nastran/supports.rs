@@ -91,6 +91,22 @@ pub fn supports(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<V
     Ok(out)
 }
 
+/// Supported nodes that belong to no element and are the independent node of no rigid element, with the lines of their supports.
+///
+/// # Errors
+/// The first mistake of a card.
+pub fn without_effect(
+    reader: &Reader<'_>,
+    file: &File<'_>,
+    parts: &Parts,
+) -> Result<Vec<(u64, usize)>, MeshError> {
+    let bodies: BTreeSet<u64> =
+        rigid::bodies(reader, file, parts)?.into_iter().map(|body| body.node).collect();
+    let nodes = constrained(reader, file, parts)?.into_iter();
+    let dropped = nodes.filter(|(node, _)| !parts.used.contains(node) && !bodies.contains(node));
+    Ok(dropped.map(|(node, found)| (node, found.line)).collect())
+}
+
 fn bits(directions: Directions) -> [bool; 6] {
     let ([a, b, c], [d, e, f]) = (directions.along, directions.across);
     [a, b, c, d, e, f]
@@ -123,15 +139,16 @@ fn constrained(
             add(reader, (&mut out, parts), (node, "GRID"), field, 0.0)?;
         }
     }
-    let Some(set) = file.support_set() else { return Ok(out) };
+    let Some((set, command)) = file.support_set() else { return Ok(out) };
     let selected = selected(reader, file, set)?;
     let known: BTreeSet<u64> = parts.nodes.keys().copied().collect();
-    let mut any = false;
+    let mut any = BTreeSet::new();
     for card in file.cards.iter().filter(|card| matches!(card.name.as_str(), "SPC" | "SPC1")) {
-        if !selected.contains(&card.id(reader, 0, "the set")?) {
+        let own = card.id(reader, 0, "the set")?;
+        if !selected.contains_key(&own) {
             continue;
         }
-        any = true;
+        any.insert(own);
         if card.name == "SPC1" {
             for node in card.list(reader, 2, "a node", &known)? {
                 add(reader, (&mut out, parts), (node, "SPC1"), card.field(1), 0.0)?;
@@ -145,21 +162,30 @@ fn constrained(
             add(reader, (&mut out, parts), (node, "SPC"), card.field(at + 1), value)?;
         }
     }
-    if !any {
-        let line = file.case.iter().find(|command| command.name == "SPC").map_or(1, |command| command.line);
+    if any.is_empty() {
         let message = format!("there is no SPC or SPC1 of the set {set}");
-        return Err(reader.error(line, message, "check the number of the set"));
+        return Err(reader.error(command, message, "check the number of the set"));
     }
-    Ok(out)
+    match selected.iter().find(|(own, line)| **line > 0 && !any.contains(own)) {
+        None => Ok(out),
+        Some((own, line)) => Err(reader.error(
+            *line,
+            format!("SPCADD {set} names the set {own}, of which there is no SPC or SPC1"),
+            "check the number of the set",
+        )),
+    }
 }
 
-/// Numbers of the sets that a set stands for.
-fn selected(reader: &Reader<'_>, file: &File<'_>, set: u64) -> Result<BTreeSet<u64>, MeshError> {
-    let mut out = BTreeSet::from([set]);
+/// Numbers of the sets that a set stands for, with the lines of `SPCADD` that name them; 0 for the set itself.
+///
+/// # Errors
+/// A number of `SPCADD` is none.
+pub fn selected(reader: &Reader<'_>, file: &File<'_>, set: u64) -> Result<BTreeMap<u64, usize>, MeshError> {
+    let mut out = BTreeMap::from([(set, 0)]);
     for card in file.named("SPCADD") {
         if card.id(reader, 0, "the set")? == set {
-            for at in (1..card.len()).filter(|&at| !card.field(at).text.is_empty()) {
-                out.insert(card.id(reader, at, "a set")?);
+            for at in (1..card.count()).filter(|&at| !card.field(at).text.is_empty()) {
+                out.entry(card.id(reader, at, "a set")?).or_insert(card.field(at).line);
             }
         }
     }
@@ -208,7 +234,7 @@ fn components(reader: &Reader<'_>, field: Field<'_>) -> Result<Vec<usize>, MeshE
     digits.filter(|digits| !digits.is_empty()).ok_or_else(|| {
         reader.error(
             field.line,
-            format!("\"{}\" are no degrees of freedom", shown(field.text)),
+            format!("\"{}\" is not a list of degrees of freedom", shown(field.text)),
             "write digits from 1 to 6 without blanks, such as 123456",
         )
     })

@@ -77,7 +77,17 @@ fn lines_that_belong_nowhere_are_refused() {
             "GRÏD    1               0.      0.      0.\n",
             "part.bdf:1: the line has characters that have no columns",
         ),
-        ("INCLUDE 'mesh.bdf'\n", "part.bdf: the file has no shells"),
+        (
+            "GRID,1,,0.,0.,0.\n+B,1\n",
+            "part.bdf:2: the line \"B\" does not continue the one before, which has no",
+        ),
+        ("GRID,1,,0.,0.,0.\ninclude 'mesh.bdf'\n", "part.bdf:2: INCLUDE is not read"),
+        (
+            "INCLUDE 'a/very/long/path/of/another/file/of/the/same/model/that/goes/on/and/on/mesh.bdf'\n",
+            "part.bdf:1: INCLUDE is not read",
+        ),
+        ("SOL 101\nCEND\nINCLUDE 'case.bdf'\nBEGIN BULK\n", "part.bdf:3: INCLUDE is not read"),
+        ("INCLUDE 'executive.bdf'\nCEND\nBEGIN BULK\n", "part.bdf:1: INCLUDE is not read"),
     ] {
         let found = parsed(text).unwrap_err().to_string();
         assert!(found.starts_with(message), "{found}\nfor {message}");
@@ -106,6 +116,36 @@ fn lists_have_ranges() {
 }
 
 #[test]
+fn bare_continuations_continue_the_line_before() {
+    for text in
+        ["GRID,1,,,,,,,,+A\n+,9", "GRID,1,,,,,,,,+A\n,9", "GRID,1,,,,,,,,+\n+,9", "GRID,1,,,,,,,,+a\n+A,9"]
+    {
+        assert_eq!(fields(text).1.len(), 9, "{text}");
+    }
+}
+
+#[test]
+fn a_missing_field_is_told_with_its_line() {
+    let reader = Reader::new(Path::new("part.bdf"));
+    let help = |text: &str, index| cards(text).unwrap()[0].id(&reader, index, "x").unwrap_err().to_string();
+    assert!(help("PCOMP,1", 2).contains("fill field 4"), "{}", help("PCOMP,1", 2));
+    assert!(!help("PCOMP,1", 2).contains("of line"));
+    assert!(help("PCOMP,1\n,,,1", 9).contains("fill field 3 of line 2 of the card"));
+}
+
+#[test]
+fn the_last_command_of_the_first_subcase_selects_the_supports() {
+    let sets = |control: &str| {
+        let text = format!("SOL 101\nCEND\n{control}BEGIN BULK\n{SQUARE}SPC1,1,123,1\nSPC1,2,123456,2\n");
+        read(&text).node_sets.into_keys().collect::<Vec<_>>()
+    };
+    assert_eq!(sets("SPC = 1\n"), ["SPC 123"]);
+    assert_eq!(sets("SPC = 1\nSPC = 2\n"), ["SPC 123456"]);
+    assert_eq!(sets("SPC = 1\nSUBCASE 1\nSPC = 2\n"), ["SPC 123456"]);
+    assert_eq!(sets("SPC = 1\nSUBC 1\nLOAD = 3\nSUBCASE 2\nSPC = 2\n"), ["SPC 123"]);
+}
+
+#[test]
 fn the_example_is_read_with_its_numbers_and_sets() {
     let mesh = Nastran::parse(Path::new("a/part.bdf"), Nastran::example(), 2.0).unwrap();
     assert_eq!(mesh.positions[2], Vec3::new(4.0, 0.0, 0.0));
@@ -119,7 +159,8 @@ fn the_example_is_read_with_its_numbers_and_sets() {
 
 #[test]
 fn a_mesh_skips_the_cards_of_the_model_also_with_mistakes() {
-    let mesh = read(&format!("{SQUARE}SPC1,1,9,99\nFORCE,x\nPLOAD4,1\nRBE2,1\nMAT9,1\n"));
+    let mesh =
+        read(&format!("{SQUARE}SPC1,1,9,99\nFORCE,x\nPLOAD4,1\nRBE2,1\nMAT9,1\nCBAR,9,1,1,2\nMPC,1\n"));
     assert_eq!((mesh.positions.len(), mesh.quads.len()), (4, 1));
 }
 
@@ -133,16 +174,8 @@ fn mistakes_name_their_line() {
         ),
         ("GRID,2,,1.,0.,0.", "GRID,2.,,1.,0.,0.", "part.bdf:2: the number of GRID is \"2.\""),
         ("GRID,2,,1.,0.,0.", "GRID,1,,1.,0.,0.", "part.bdf:2: node 1 is defined again; line 1 does so, too"),
-        (
-            "GRID,2,,1.,0.,0.",
-            "GRID,2,5,1.,0.,0.",
-            "part.bdf:2: the coordinate system CP of node 2 of GRID is 5",
-        ),
-        (
-            "GRID,2,,1.,0.,0.",
-            "GRID,2,,1.,0.,0.,5",
-            "part.bdf:2: the coordinate system CD of node 2 of GRID is 5",
-        ),
+        ("GRID,2,,1.,0.,0.", "GRID,2,5,1.,0.,0.", "part.bdf:2: the coordinate system CP of node 2 is 5"),
+        ("GRID,2,,1.,0.,0.", "GRID,2,,1.,0.,0.,5", "part.bdf:2: the coordinate system CD of node 2 is 5"),
         ("7,1,1,2,3,4", "7,1,1,2,3,5", "part.bdf:5: element 7 needs node 5"),
         ("7,1,1,2,3,4", "7,1,1,2,3,3", "part.bdf:5: element 7 has node 3 at two corners"),
         ("7,1,1,2,3,4", "7,1,1,2,3", "part.bdf:5: a node of CQUAD4 is missing"),
@@ -150,15 +183,13 @@ fn mistakes_name_their_line() {
         ("7,1,1,2,3,4", "7,1,1,2,3,4\n,,,0.1", "part.bdf:6: the thickness T1 of element 7 is 0.1"),
         ("7,1,1,2,3,4", "7,1,1,2,3,4\nCQUAD4,7,1,4,3,2,1", "part.bdf:6: element 7 is defined again; line 5"),
         ("CQUAD4", "CTRIA3", "part.bdf:5: CTRIA3 is not read"),
-        ("CQUAD4", "CBAR", "part.bdf:5: CBAR is not read"),
+        ("CQUAD4", "GRDSET", "part.bdf:5: GRDSET is not read"),
     ] {
         let found = parsed(&SQUARE.replacen(from, to, 1)).unwrap_err().to_string();
         assert!(found.starts_with(message), "{found}\nfor {message}");
     }
     let behind = format!("SOL 101\nCEND\nBEGIN BULK\n{SQUARE}ENDDATA\n\n$ comment\nGRID,9\n");
-    assert!(
-        parsed(&behind).unwrap_err().to_string().starts_with("part.bdf:12: \"GRID,9\" stands behind ENDDATA")
-    );
+    assert_eq!(read(&behind).positions.len(), 4);
     let open = format!("SOL 101\nBEGIN BULK\n{SQUARE}");
     assert!(parsed(&open).unwrap_err().to_string().starts_with("part.bdf:2: there is no CEND"));
 }
