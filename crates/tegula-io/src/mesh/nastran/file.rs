@@ -25,7 +25,7 @@ pub struct File<'a> {
 pub struct Command {
     /// Its name in capitals, without what stands in brackets behind it.
     pub name: String,
-    /// What stands in the brackets, in capitals.
+    /// Text in the brackets behind the name, in capitals.
     pub option: String,
     /// Value; what stands behind the equal sign or the name.
     pub value: String,
