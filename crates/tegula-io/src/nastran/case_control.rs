@@ -167,7 +167,7 @@ fn subcase(reader: &Reader<'_>, commands: &[&Command]) -> Result<Subcase, MeshEr
             None | Some("TITLE") => {}
             Some("SUBCASE") => (out.number, out.line) = (number(reader, command)?, command.line),
             Some("ANALYSIS") => out.analysis = Some((command.value.to_uppercase(), command.line)),
-            Some("METHOD") if !matches!(command.option.as_str(), "" | "STRUCTURE") => {
+            Some("METHOD") if !command.option.is_empty() && !is(&command.option, "STRUCTURE") => {
                 return Err(reader.error(
                     command.line,
                     format!("METHOD({}) is not read", shown(&command.option)),

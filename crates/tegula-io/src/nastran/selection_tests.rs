@@ -72,10 +72,10 @@ fn the_analysis_of_a_subcase_is_that_of_the_solution_sequence() {
     refused(&of("105", &buckling.replace("BUCK", "MODES"), "EIGRL,7,,,3\n"), "ANALYSIS = MODES");
     refused(&of("103", "METHOD = 7\nANALYSIS = BUCK\n", "EIGRL,7,,,3\n"), "ANALYSIS = BUCK");
     refused(&of("103", "METHOD(FLUID) = 7\n", "EIGRL,7,,,3\n"), "METHOD(FLUID) is not read");
-    assert_eq!(
-        model(&of("103", "METHOD(STRUCTURE) = 7\n", "EIGRL,7,,,3\n"))["analysis"]["modes"],
-        serde_json::Value::from(3)
-    );
+    for option in ["STRUCTURE", "struct"] {
+        let modes = model(&of("103", &format!("METHOD({option}) = 7\n"), "EIGRL,7,,,3\n"));
+        assert_eq!(modes["analysis"]["modes"], serde_json::Value::from(3), "{option}");
+    }
 }
 
 #[test]

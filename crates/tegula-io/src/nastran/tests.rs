@@ -370,6 +370,11 @@ fn rigid_elements_are_rigid_patches() {
             "the independent node of RBE2 1 is held in some directions only",
         ),
         ("RBE2", "RBE3", "RBE3 is not read"),
+        (
+            "RBE2,1,9,123456,3,6",
+            "RBE2,1,9,123456,3\nRBE2,2,9,123456,6",
+            "RBE2 2 has the same number or the same independent node as the RBE2 on line 19",
+        ),
     ] {
         let found = mistakes(&rigid.replacen(from, to, 1)).remove(0).1;
         assert!(found.starts_with(message), "{found}\nfor {message}");
