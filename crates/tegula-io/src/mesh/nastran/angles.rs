@@ -74,7 +74,10 @@ fn oriented(file: &File<'_>) -> BTreeSet<u64> {
     let number = |card: &Card<'_>, index: usize| card.field(index).text.parse::<u64>().ok();
     let materials: BTreeSet<u64> = file.named("MAT8").filter_map(|card| number(card, 0)).collect();
     let with_axes = |card: &&Card<'_>| number(card, 1).is_some_and(|material| materials.contains(&material));
-    file.named("PCOMP").chain(file.named("PSHELL").filter(with_axes)).filter_map(|card| number(card, 0)).collect()
+    file.named("PCOMP")
+        .chain(file.named("PSHELL").filter(with_axes))
+        .filter_map(|card| number(card, 0))
+        .collect()
 }
 
 /// Groups of elements whose material has axes.

@@ -49,8 +49,14 @@ const MESH: &[(&str, &str)] = &[
 
 /// Cards that are not read as a part of a model, with the remedy; where the file is a mesh alone, the model file has their counterparts.
 const MODEL: &[(&str, &str)] = &[
-    ("CBAR", "give stiffeners as CQUAD4, or beams in the model file that `tegula convert` writes of the rest"),
-    ("CBEAM", "give stiffeners as CQUAD4, or beams in the model file that `tegula convert` writes of the rest"),
+    (
+        "CBAR",
+        "give stiffeners as CQUAD4, or beams in the model file that `tegula convert` writes of the rest",
+    ),
+    (
+        "CBEAM",
+        "give stiffeners as CQUAD4, or beams in the model file that `tegula convert` writes of the rest",
+    ),
     ("CROD", "give beams or springs in the model file that `tegula convert` writes of the rest"),
     ("CONROD", "give beams or springs in the model file that `tegula convert` writes of the rest"),
     ("CBUSH", "give `[[bushings]]` in the model file that `tegula convert` writes of the rest"),

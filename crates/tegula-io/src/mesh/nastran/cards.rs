@@ -152,11 +152,9 @@ pub fn not_included(reader: &Reader<'_>, number: usize, line: &str) -> Result<()
     let line = line.trim_start();
     let end = line.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(line.len());
     match line.get(..end) {
-        Some(word) if word.eq_ignore_ascii_case("INCLUDE") => Err(reader.error(
-            number,
-            "INCLUDE is not read",
-            "write the lines of the other file in its place",
-        )),
+        Some(word) if word.eq_ignore_ascii_case("INCLUDE") => {
+            Err(reader.error(number, "INCLUDE is not read", "write the lines of the other file in its place"))
+        }
         _ => Ok(()),
     }
 }
@@ -307,11 +305,7 @@ impl<'a> Card<'a> {
         if field.text.is_empty() || zero {
             return Ok(());
         }
-        Err(reader.error(
-            field.line,
-            format!("{what} is {}, which is not read", shown(field.text)),
-            help,
-        ))
+        Err(reader.error(field.line, format!("{what} is {}, which is not read", shown(field.text)), help))
     }
 
     /// Refuses values behind the first `count` data fields.
