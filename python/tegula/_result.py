@@ -237,7 +237,10 @@ class Result:
 
     def _repr_html_(self) -> str:
         """The report in a notebook."""
-        page = html.escape(report_page(self.folder, _MOST_IN_NOTEBOOK), quote=True)
+        try:
+            page = html.escape(report_page(self.folder, _MOST_IN_NOTEBOOK), quote=True)
+        except OutputError as error:
+            return f"<pre>{html.escape(f'{self!r}: {error}')}</pre>"
         return (
             f'<iframe srcdoc="{page}" sandbox="allow-scripts allow-downloads" loading="lazy" '
             'style="width: 100%; height: 860px; border: 1px solid #ccc"></iframe>'

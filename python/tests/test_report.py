@@ -49,7 +49,7 @@ def chromium(width: int, height: int) -> Any:
     return browser
 
 
-PENDULUM = {
+PENDULUM: dict[str, Any] = {
     "title": "Plate that swings <down> & up",
     "analysis": {"type": "transient", "end_time": 0.3, "time_step": 0.01},
     "mesh": {"type": "plate", "size": [1.0, 0.5], "grid": {"elements": [8, 4]}},
@@ -155,7 +155,7 @@ class Reports(unittest.TestCase):
             """(async () => { const { shapes } = state.stage, [mesh] = shapes.meshes;
             const f = await shapes.field('von_mises/');
             done([mesh.displacement[20].map((u) => Array.from(u)), Array.from(f.values[20]), f.atPoints,
-              Array.from(mesh.reference), shapes.scene.values[20]]); })();"""
+              Array.from(mesh.references[0]), shapes.scene.values[20]]); })();"""
         )
         for axis in range(3):
             every = [abs(f.to_meshio().point_data["displacement"][:, axis]).max() for f in result.frames]
@@ -195,8 +195,7 @@ class Reports(unittest.TestCase):
         before = self.pixels()
         canvas.send_keys(" ")
         time.sleep(0.8)
-        during = self.script("done(state.stage.phase)")
-        self.assertLess(during, 0.9)
+        self.assertGreater(self.script("done(state.stage.phase)"), 0.1)
         self.assertNotEqual(self.pixels(), before)
         self.assert_silent()
 
@@ -210,6 +209,86 @@ class Reports(unittest.TestCase):
         label = self.browser.find_element(By.CSS_SELECTOR, ".time output").text
         self.assertAlmostEqual(float(label.split()[-1]), result.history["time"][-1], delta=1e-5)
         self.assertIn("Hinged roof", text, "the model file")
+        self.assert_silent()
+
+    def moved(self, mesh: int) -> tuple[list[float], list[float]]:
+        """Displacements that are drawn, and the reference from which they count."""
+        moved, reference = self.script(
+            f"""const drawn = state.stage.viewer.meshes[{mesh}];
+            done([Array.from(drawn.moved), Array.from(drawn.reference)]);"""
+        )
+        return [x - x0 for x, x0 in zip(moved, reference, strict=True)], reference
+
+    def assert_parallel(self, found: list[float], exact: Any) -> None:
+        """Two shapes differ by a factor above 0."""
+        product = sum(a * b for a, b in zip(found, exact, strict=True))
+        sizes = sum(a * a for a in found) * sum(b * b for b in exact)
+        self.assertGreater(product, 0.9999 * sizes**0.5)
+
+    def test_critical_modes_are_about_the_states_of_their_points(self) -> None:
+        result = tegula.Model.read(EXAMPLES / "hinged_roof_path.toml").run(self.folder / "critical")
+        self.opened(result.report())
+        self.script("state.stage.picker.selectedIndex = 1; state.stage.open(1).then(() => done(0));")
+        frames = result._frames("critical_modes.pvd")
+        self.assertEqual(len(frames), 2)
+        for number, frame in enumerate(frames):
+            self.script(f"state.stage.at({number}); done(0);")
+            grid = frame.to_meshio()
+            found, reference = self.moved(0)
+            self.assert_parallel(found, grid.point_data["displacement"].ravel())
+            for x, exact in zip(reference, grid.points.ravel(), strict=True):
+                self.assertAlmostEqual(x, exact, delta=1e-3)
+        self.assert_silent()
+
+    def test_complex_modes_turn_from_their_shape_to_that_of_a_quarter_period_later(self) -> None:
+        result = tegula.Model.read(EXAMPLES / "rotor_campbell.toml").run(self.folder / "rotor")
+        self.opened(result.report())
+        frames = {frame.time: frame for frame in result._frames("mode_bodies.pvd")}
+        mode = next(t for t in sorted(frames) if t + 0.25 in frames)
+        place = self.script(f"done(state.stage.shapes.shown.findIndex((i) => state.stage.shapes.scene.values[i] === {mode}));")
+        self.script(f"state.stage.at({place}); done(0);")
+        for phase, value in ((0.0, mode), (1.5707963267948966, mode + 0.25)):
+            self.script(f"state.stage.phase = {phase}; state.stage.update(); done(0);")
+            self.assert_parallel(self.moved(0)[0], frames[value].to_meshio().point_data["displacement"].ravel())
+        self.assert_silent()
+
+    def test_deformed_files_and_names_with_blanks(self) -> None:
+        output = {**PENDULUM["output"], "deformed": True, "points": [{"name": "a  b & <c>", "on": "u_max_v_max"}]}
+        result = self.result("deformed", {**PENDULUM, "output": output})
+        self.opened(result.report())
+        last = result.frames[-1].to_meshio()
+        found, reference = self.moved(0)
+        for u, x, moved in zip(found, reference, last.points.ravel(), strict=True):
+            self.assertAlmostEqual(u + x, moved, delta=1e-4)
+        for x, exact in zip(reference, (last.points - last.point_data["displacement"]).ravel(), strict=True):
+            self.assertAlmostEqual(x, exact, delta=1e-5)
+        self.assertIn("a  b & <c>.uz", self.script("done(Array.from(document.querySelectorAll('.plots option'), (o) => o.value))"))
+        self.assert_silent()
+
+    def test_columns_that_are_constant_have_a_plot(self) -> None:
+        model = {**PENDULUM, "loads": [], "output": {**PENDULUM["output"], "points": []}}
+        self.opened(self.result("still", model).report())
+        self.assert_silent()
+
+    def test_picked_nodes_are_those_that_are_seen(self) -> None:
+        tube = {"type": "cylinder", "radius": 1.0, "angles": [0.0, 180.0], "length": 2.0, "axis": [0.0, 1.0, 0.0],
+                "start": [1.0, 0.0, 0.0], "grid": {"elements": [12, 8]}}
+        model = {**PENDULUM, "mesh": tube, "loads": [], "output": {"pictures": False}}
+        self.opened(self.result("tube", model).report())
+        seen, hidden, wrong = self.script(
+            """const { viewer } = state.stage, at = viewer.project(viewer.meshes[0]), count = at.length / 3;
+            let [seen, hidden, wrong] = [0, 0, 0];
+            for (let p = 0; p < count; p++) {
+              const found = viewer.pick(at[3 * p], at[3 * p + 1]).point;
+              if (found === p) seen++;
+              else if (at[3 * found + 2] < at[3 * p + 2] - 0.3) hidden++;
+              else wrong++;
+            }
+            done([seen, hidden, wrong]);"""
+        )
+        self.assertGreater(seen, 50)
+        self.assertGreater(hidden, 10)
+        self.assertLess(wrong, 8)
         self.assert_silent()
 
     def test_steps_are_in_one_report_that_phones_can_show(self) -> None:

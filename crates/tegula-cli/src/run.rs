@@ -56,16 +56,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = JobOptions { folder: folder.clone(), resume: arguments.resume, force: arguments.force };
     let outcome = job::run(&deck, &options, &mut line);
     line.close();
-    if arguments.report && folder.join("summary.json").is_file() && reportable(&outcome) {
-        html_report::write(&folder, &folder.join("report.html"))?;
-    }
+    let reported = if arguments.report && folder.join("summary.json").is_file() && reportable(&outcome) {
+        html_report::write(&folder, &folder.join("report.html"))
+    } else {
+        Ok(())
+    };
+    // Why a run has failed is more than why it has no report.
     let summary = outcome?;
     if arguments.json {
         say!("{}", as_json(&summary)?);
     } else if !arguments.quiet {
         print(&summary, &folder);
     }
-    Ok(())
+    reported
 }
 
 /// Whether a run has left results of its own: also one that has failed on its way has a report.

@@ -59,11 +59,13 @@ function diagram(holder, title, x, y, curves) {
   const extent = (key) => {
     const all = curves.flatMap((c) => Array.from(c[key])).filter(Number.isFinite);
     const [low, high] = [all.reduce((a, b) => Math.min(a, b), Infinity), all.reduce((a, b) => Math.max(a, b), -Infinity)];
-    const margin = 0.05 * (high - low) || 1;
+    if (!all.length) return [0, 1];
+    // Round-off of a constant is no range: ticks of uPlot could not be told apart.
+    const size = Math.max(Math.abs(low), Math.abs(high)), margin = high - low > 1e-9 * size ? 0.05 * (high - low) : 0.05 * size || 1;
     return [low - margin, high + margin];
   };
   const whole = { x: extent("xs"), y: extent("ys") };
-  const range = (key) => (u, low, high) => (u.zoomed ? [low, high] : whole[key]);
+  const range = (key) => (u, low, high) => (u.zoomed && high - low > 1e-9 * (whole[key][1] - whole[key][0]) ? [low, high] : whole[key]);
   options.mode = 2;
   options.scales = { x: { time: false, range: range("x") }, y: { range: range("y") } };
   options.cursor = { dataIdx: () => null, points: { show: false }, drag: { x: true, y: true } };

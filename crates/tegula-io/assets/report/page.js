@@ -55,10 +55,10 @@ class Shapes {
       const displacement = mesh.displacement && (await Promise.all(mesh.displacement.map((d) => valuesOf(d, out.instants))));
       out.meshes.push({
         points: mesh.points, outline: mesh.outline, fields: mesh.fields,
-        reference: new Float32Array(await bytesOf(mesh.reference)),
+        references: await Promise.all(mesh.references.map(async (block) => new Float32Array(await bytesOf(block)))),
         quads: new Uint32Array(await bytesOf(mesh.quads)),
         lines: new Uint32Array(await bytesOf(mesh.lines)),
-        displacement: out.shown && displacement ? scene.values.map((v, t) => displacement.map((d) => d[t])) : null,
+        displacement: displacement ? scene.values.map((v, t) => displacement.map((d) => d[t])) : null,
       });
     }
     out.cache = new Map();
@@ -74,11 +74,12 @@ class Shapes {
   /** Box of the reference, and the largest displacement at each instant. */
   extent() {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity], largest = new Float64Array(this.instants);
-    for (const { reference, displacement, points } of this.meshes) {
-      for (let i = 0; i < reference.length; i++) {
-        low[i % 3] = Math.min(low[i % 3], reference[i]);
-        high[i % 3] = Math.max(high[i % 3], reference[i]);
-      }
+    for (const { references, displacement, points } of this.meshes) {
+      for (const reference of references)
+        for (let i = 0; i < reference.length; i++) {
+          low[i % 3] = Math.min(low[i % 3], reference[i]);
+          high[i % 3] = Math.max(high[i % 3], reference[i]);
+        }
       if (displacement)
         displacement.forEach((u, t) => {
           for (let i = 0; i < points; i++) largest[t] = Math.max(largest[t], Math.hypot(u[0][i], u[1][i], u[2][i]) || 0);
@@ -156,7 +157,9 @@ class Stage {
     this.bar = element("div", { className: "bar" });
     this.triad = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     this.triad.setAttribute("class", "triad");
-    this.node = element("div", { className: "node" }, element("p", {}, "Click on a shell to see values over time at its nearest node."));
+    this.invitation = element("p", {}, "Click on a shell to see values over time at its nearest node.");
+    this.node = element("div", { className: "node" }, this.invitation);
+    [this.phase, this.due, this.picked] = [0, 0, null];
     holder.append(
       element("div", { className: "controls" }, ...(this.list.length > 1 ? [labelled("show", this.picker)] : []), this.colours, labelled("displacements ×", this.scale), tick("edges", "edges"), tick("undeformed", "undeformed"), button("reset view", "first direction of view (r)", () => this.viewer.reset()), button("save picture", "save the picture as PNG", () => this.save())),
       element("div", { className: "stage" }, this.canvas, this.bar, this.triad),
@@ -173,9 +176,13 @@ class Stage {
   /** Shows another scene. */
   async open(index) {
     const { scene } = this.list[index];
-    this.playing = false;
-    this.play.textContent = "▶";
-    this.shapes = await Shapes.read(scene);
+    this.stop();
+    const shapes = await Shapes.read(scene);
+    // Another scene may have been chosen while this one was read.
+    if (this.picker.selectedIndex >= 0 && this.picker.selectedIndex !== index && this.list.length > 1) return;
+    this.shapes = shapes;
+    this.node.replaceChildren(this.invitation);
+    this.picked = null;
     this.box = this.shapes.extent();
     this.modes = scene.kind === "modes";
     const largest = this.box.largest.reduce((a, b) => Math.max(a, b), 0);
@@ -191,7 +198,6 @@ class Stage {
     this.viewer.load(this.shapes.meshes);
     this.viewer.fit(...this.swept());
     this.slider.value = this.modes ? this.firstElastic() : this.slider.max;
-    this.phase = 1;
     await this.recolour();
   }
 
@@ -200,7 +206,7 @@ class Stage {
     const { shapes, modes, box } = this, low = [...box.low], high = [...box.high];
     if (modes) return [low.map((x) => x - 0.05 * box.size), high.map((x) => x + 0.05 * box.size)];
     const scale = Number(this.scale.value), stride = Math.ceil(shapes.instants / 50);
-    for (const { reference, displacement, points } of shapes.meshes) {
+    for (const { references: [reference], displacement, points } of shapes.meshes) {
       if (!displacement) continue;
       for (let t = shapes.instants - 1; t >= 0; t -= stride)
         for (let i = 0; i < points; i++)
@@ -226,7 +232,10 @@ class Stage {
 
   /** Colours by the chosen field. */
   async recolour() {
-    this.chosen = this.field.value ? await this.shapes.field(this.field.value) : null;
+    const { shapes } = this, choice = this.field.value, found = choice ? await shapes.field(choice) : null;
+    // A later choice may have been decoded first.
+    if (choice !== this.field.value || shapes !== this.shapes) return;
+    this.chosen = found;
     this.update();
   }
 
@@ -240,12 +249,13 @@ class Stage {
     const { shapes, viewer, chosen, instant } = this, scale = Number(this.scale.value);
     if (!shapes) return;
     const factor = this.modes ? (scale * 0.1 * this.box.size) / (this.box.largest[instant] || 1) : scale;
-    const quarter = shapes.quarter(instant), turn = Math.asin(this.phase ?? 1);
+    // A mode moves by its shape times the cosine of the phase, and by that a quarter of a period later times the sine.
+    const quarter = shapes.quarter(instant), [cosine, sine] = this.modes ? [Math.cos(this.phase), Math.sin(this.phase)] : [1, 0];
     viewer.meshes.forEach((drawn) => {
-      const u = drawn.mesh.displacement, parts = [];
-      if (u && quarter < 0) parts.push([u[instant], this.modes ? factor * (this.phase ?? 1) : factor]);
-      else if (u) parts.push([u[instant], factor * Math.cos(this.angle ?? turn)], [u[quarter], factor * Math.sin(this.angle ?? turn)]);
-      drawn.move(parts);
+      const u = drawn.mesh.displacement, { references } = drawn.mesh, parts = [];
+      if (u) parts.push([u[instant], factor * cosine]);
+      if (u && quarter >= 0) parts.push([u[quarter], factor * sine]);
+      drawn.move(references[references.length > 1 ? instant : 0], parts);
       if (drawn.mesh.outline || !chosen) drawn.colour(null);
       else drawn.colour(chosen.values[instant], chosen.atPoints);
     });
@@ -257,6 +267,7 @@ class Stage {
     this.label.textContent = this.labelOf(instant);
     this.slider.setAttribute("aria-valuetext", this.label.textContent);
     this.legend();
+    if (this.modes && this.picked) this.tellValues();
     viewer.redraw();
   }
 
@@ -282,12 +293,12 @@ class Stage {
   }
 
   toggle() {
-    this.playing = !this.playing;
-    this.play.textContent = this.playing ? "⏸" : "▶";
-    if (!this.playing) {
-      [this.phase, this.angle] = [1, undefined];
+    if (this.playing) {
+      this.stop();
       return this.update();
     }
+    this.playing = true;
+    this.play.textContent = "⏸";
     const last = Number(this.slider.max), { values } = this.shapes.scene, span = values[this.shapes.shown[last]] - values[0];
     // A series lasts six seconds, a period of a mode 1.6.
     const begin = performance.now(), from = Number(this.slider.value) >= last ? 0 : Number(this.slider.value);
@@ -296,8 +307,7 @@ class Stage {
       if (!this.playing) return;
       const seconds = Math.max(0, now - begin) / 1000;
       if (this.modes) {
-        this.angle = (2 * Math.PI * seconds) / 1.6;
-        this.phase = Math.cos(this.angle);
+        this.phase = (2 * Math.PI * seconds) / 1.6;
         this.update();
       } else {
         const t = (start + seconds / 6) % 1.08;
@@ -309,13 +319,21 @@ class Stage {
         }
         if (place !== Number(this.slider.value)) this.at(place);
       }
-      requestAnimationFrame(step);
+      this.due = requestAnimationFrame(step);
     };
-    requestAnimationFrame(step);
+    this.due = requestAnimationFrame(step);
+  }
+
+  /** Ends the animation; a mode is shown at its largest displacement. */
+  stop() {
+    cancelAnimationFrame(this.due);
+    this.playing = false;
+    this.play.textContent = "▶";
+    this.phase = 0;
   }
 
   key(e) {
-    if (["INPUT", "SELECT", "TEXTAREA"].includes(e.target.tagName) && e.target.type !== "range" && e.target.type !== "checkbox") return;
+    if (["INPUT", "SELECT", "TEXTAREA"].includes(e.target.tagName) && e.target.type !== "range") return;
     if (e.ctrlKey || e.metaKey || e.altKey || !this.shapes) return;
     const move = (by) => this.at(Math.max(0, Math.min(Number(this.slider.max), Number(this.slider.value) + by)));
     const scaled = (by) => { this.scale.value = Number((Number(this.scale.value) * by).toPrecision(6)); this.update(); };
@@ -327,13 +345,14 @@ class Stage {
 
   /** Values over time at a node. */
   pick({ mesh, point }) {
-    const { shapes, chosen, modes } = this, shells = shapes.meshes[mesh], { reference, displacement, quads } = shells;
+    const { shapes, chosen, modes } = this, shells = shapes.meshes[mesh], { references: [reference], displacement, quads } = shells;
     const place = [0, 1, 2].map((c) => shortNumber(reference[3 * point + c])).join(", ");
     const curves = displacement ? ["x", "y", "z"].map((name, c) => ({ name: `displacement ${name}`, ys: displacement.map((u) => u[c][point]) })) : [];
     this.picked = { point, curves };
     this.node.replaceChildren(element("p", {}, `Node ${point} (counted from 0, as in the files) at (${place})`));
     if (modes || shapes.instants < 2) {
-      this.node.append(element("p", {}, curves.map((c) => `${c.name} ${shortNumber(c.ys[this.instant])}`).join(", ")));
+      this.node.append(element("p"));
+      this.tellValues();
       return;
     }
     const { values, parameter } = shapes.scene;
@@ -345,6 +364,12 @@ class Stage {
     const what = chosen.atPoints ? name : `${name}, mean of the elements at the node`;
     this.picked.field = chosen.values.map(at);
     chart(this.node, what, parameter, name, values, [{ name, ys: this.picked.field }]);
+  }
+
+  /** Values of the present state at the node that was picked. */
+  tellValues() {
+    const { curves } = this.picked;
+    this.node.lastElementChild.textContent = curves.map((c) => `${c.name} ${shortNumber(c.ys[this.instant])}`).join(", ");
   }
 
   save() {
@@ -380,7 +405,9 @@ async function histories(holder, part) {
       const found = part.critical_points.filter((c) => c.kind === kind), xs = [], ys = [];
       for (const { position: at, load_factor } of found)
         for (const n of moving) {
-          const i = Math.max(1, position.findIndex((p) => p >= at)), u = columns.get(n);
+          const i = position.findIndex((p) => p >= at), u = columns.get(n);
+          // Of a run that was killed the history may end before the point.
+          if (i < 1) continue;
           const w = (at - position[i - 1]) / (position[i] - position[i - 1] || 1);
           xs.push(u[i - 1] + w * (u[i] - u[i - 1]));
           ys.push(load_factor);
@@ -398,7 +425,7 @@ async function histories(holder, part) {
 /** A plot of any column over any other. */
 function chooser(holder, columns, names) {
   const box = element("div"), place = element("div");
-  const select = (value) => element("select", { onchange: () => draw() }, ...names.map((n) => element("option", { selected: n === value }, n)));
+  const select = (value) => element("select", { onchange: () => draw() }, ...names.map((n) => element("option", { value: n, selected: n === value }, n)));
   const size = (n) => columns.get(n).reduce((a, v) => Math.max(a, Math.abs(v) || 0), 0);
   const moving = names.filter((n) => /\.u[xyz]$/.test(n)).sort((a, b) => size(b) - size(a))[0];
   const [x, y] = [select(names[0]), select(moving || names[1] || names[0])];
@@ -408,7 +435,6 @@ function chooser(holder, columns, names) {
   };
   box.append(element("p", {}, element("label", {}, "any column: ", y), element("label", {}, " over ", x)), place);
   holder.append(box);
-  y.addEventListener("change", draw);
   draw();
 }
 
@@ -423,17 +449,6 @@ async function responses(holder, part) {
   chart(holder, "frequency response", "frequency", "amplitude", columns.get(names[0]), shown.map((n) => ({ name: n.slice(0, -10), ys: columns.get(n) })), true);
 }
 
-/** Labels the states of a path by their load factors. */
-async function loadsOfStates(part) {
-  const columns = await columnsOf(part.history), position = columns.get("path.position"), loads = columns.get(part.history.names[0]);
-  const states = part.scenes.find((scene) => scene.kind === "states");
-  if (!states || !position) return;
-  states.labels = states.values.map((value) => {
-    const i = position.reduce((best, p, k) => (Math.abs(p - value) < Math.abs(position[best] - value) ? k : best), 0);
-    return `load factor ${shortNumber(loads[i])}`;
-  });
-}
-
 async function start() {
   const { parts } = JSON.parse(document.getElementById("data").textContent), plots = document.getElementById("plots");
   for (const part of parts)
@@ -441,7 +456,6 @@ async function start() {
       const rigid = (await columnsOf(part.modes)).get("rigid");
       part.rigid = rigid && Array.from(rigid, Boolean);
     }
-  for (const part of parts) if (part.analysis === "path" && part.history) await loadsOfStates(part);
   const state = { parts, stage: null };
   if (parts.some((part) => part.scenes.length)) {
     try {

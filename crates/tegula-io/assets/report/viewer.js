@@ -92,8 +92,6 @@ class DrawnMesh {
       triangles: this.indices(triangles), edges: this.indices(new Uint32Array(edges)), rim: this.indices(new Uint32Array(rim)),
     };
     this.sizes = { triangles: 6 * nq, edges: edges.length, lines: 2 * nl, rim: rim.length };
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers.reference);
-    gl.bufferData(gl.ARRAY_BUFFER, mesh.reference, gl.STATIC_DRAW);
   }
 
   indices(data) {
@@ -103,10 +101,15 @@ class DrawnMesh {
     return buffer;
   }
 
-  /** Moves the points by the sum of shapes, each a list of displacements along x, y and z with its factor. */
-  move(shapes) {
+  /** Moves the points from a reference by the sum of shapes, each a list of displacements along x, y and z with its factor. */
+  move(reference, shapes) {
     const { mesh, moved, node, positions, gl } = this;
-    moved.set(mesh.reference);
+    if (reference !== this.reference) {
+      this.reference = reference;
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers.reference);
+      gl.bufferData(gl.ARRAY_BUFFER, reference, gl.STATIC_DRAW);
+    }
+    moved.set(reference);
     for (const [shape, factor] of shapes)
       for (let c = 0; c < 3; c++) {
         const u = shape[c];
@@ -289,27 +292,40 @@ class Viewer {
     this.gl.drawElements(mode, count, this.gl.UNSIGNED_INT, offset);
   }
 
-  /** Place of a point on the canvas, and its distance. */
-  project(x) {
-    const m = this.camera(), box = this.canvas.getBoundingClientRect();
-    const [a, b, , w] = [0, 1, 2, 3].map((r) => m[r] * x[0] + m[4 + r] * x[1] + m[8 + r] * x[2] + m[12 + r]);
-    return [(0.5 + a / w / 2) * box.width, (0.5 - b / w / 2) * box.height, w];
+  /** Places of the points of a mesh on the canvas, with their distances; those behind the viewer have none. */
+  project({ mesh, moved }) {
+    const m = this.camera(), box = this.canvas.getBoundingClientRect(), out = new Float32Array(3 * mesh.points);
+    for (let i = 0; i < mesh.points; i++) {
+      const [x, y, z] = moved.subarray(3 * i, 3 * i + 3);
+      const [a, b, w] = [0, 1, 3].map((r) => m[r] * x + m[4 + r] * y + m[8 + r] * z + m[12 + r]);
+      out.set(w > 0 ? [(0.5 + a / w / 2) * box.width, (0.5 - b / w / 2) * box.height, w] : [NaN, NaN, NaN], 3 * i);
+    }
+    return out;
   }
 
-  /** The point of a mesh near a place of the canvas that is closest to the viewer. */
+  /** The corner nearest to a place of the canvas of the cell that is seen there; without a cell the nearest point within 14 pixels. */
   pick(px, py) {
-    let best = null;
-    this.meshes.forEach(({ mesh, moved }, m) => {
-      if (mesh.outline) return;
-      for (let i = 0; i < mesh.points; i++) {
-        const [x, y, depth] = this.project([moved[3 * i], moved[3 * i + 1], moved[3 * i + 2]]);
-        const distance = Math.hypot(x - px, y - py);
-        if (distance > 14) continue;
-        const rank = depth / this.view.size + distance / 14;
-        if (!best || rank < best.rank) best = { rank, mesh: m, point: i };
-      }
+    let hit = null, near = null;
+    this.meshes.forEach((drawn, mesh) => {
+      if (drawn.mesh.outline) return;
+      const at = this.project(drawn), { quads } = drawn.mesh;
+      const apart = (p) => Math.hypot(at[3 * p] - px, at[3 * p + 1] - py);
+      for (let q = 0; q < quads.length; q += 4)
+        for (const corners of [[quads[q], quads[q + 1], quads[q + 2]], [quads[q], quads[q + 2], quads[q + 3]]]) {
+          const [[ax, ay, aw], [bx, by, bw], [cx, cy, cw]] = corners.map((p) => at.subarray(3 * p, 3 * p + 3));
+          const area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay);
+          const u = ((px - ax) * (cy - ay) - (cx - ax) * (py - ay)) / area, v = ((bx - ax) * (py - ay) - (px - ax) * (by - ay)) / area;
+          if (!(u >= 0 && v >= 0 && u + v <= 1)) continue;
+          const depth = 1 / ((1 - u - v) / aw + u / bw + v / cw);
+          if (!hit || depth < hit.depth) {
+            const point = [...quads.subarray(q, q + 4)].reduce((a, p) => (apart(p) < apart(a) ? p : a));
+            hit = { depth, mesh, point };
+          }
+        }
+      for (let p = 0; p < drawn.mesh.points; p++)
+        if (apart(p) < (near ? near.distance : 14)) near = { distance: apart(p), mesh, point: p };
     });
-    return best;
+    return hit || near;
   }
 
   listen() {

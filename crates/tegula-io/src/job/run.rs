@@ -197,6 +197,7 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         model: deck.path.display().to_string(),
         model_path: deck.path.canonicalize().ok().map(|path| path.display().to_string()),
         fingerprint: format!("{:016x}", prepared.fingerprint),
+        deformed: deck.model.output.deformed,
         elements: start.elements,
         unknowns: start.unknowns,
         mass: prepared.system.total_mass(),

@@ -188,6 +188,9 @@ pub struct Summary {
     pub model_path: Option<String>,
     /// Fingerprint of the model file and its mesh file, hexadecimal.
     pub fingerprint: String,
+    /// Whether the field files contain the deformed mesh (`output.deformed`).
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub deformed: bool,
     /// Shell elements.
     pub elements: usize,
     /// Unknowns.

@@ -25,7 +25,7 @@ pub(super) struct Blocks {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub(super) struct Block(usize);
 
-/// Values at several instants, rounded to the 65 535 steps between the least and the greatest.
+/// Values at several instants, rounded to the 65 534 steps between the least and the greatest.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Rounded {
     /// Least value.

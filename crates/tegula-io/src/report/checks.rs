@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::job::{Status, Summary};
 
-/// Imbalance of forces from which on a run warns.
+/// Imbalance of forces from which on it needs a look; static analyses warn from it on.
 const IMBALANCE: f64 = 1e-5;
 
 /// Verdict on a check.
@@ -84,7 +84,8 @@ pub(super) fn of(s: &Summary) -> Vec<Check> {
     }
     match s.negative_pivots {
         Some(n) if n > 0 => {
-            let value = format!("{n} negative pivots of the tangent: the equilibrium may be unstable");
+            let pivots = if n == 1 { "1 negative pivot".into() } else { format!("{n} negative pivots") };
+            let value = format!("{pivots} of the tangent: the equilibrium may be unstable");
             add("Stability", value, Verdict::Doubtful);
         }
         None if s.analysis == "static" && s.status == Status::Complete => {
@@ -107,8 +108,9 @@ pub(super) fn of(s: &Summary) -> Vec<Check> {
         None => {}
     }
     if let Some(stop) = &s.stop {
-        let value =
-            format!("`{}` has crossed {} at {}", stop.column, short(stop.value, 9), short(stop.time, 9));
+        let parameter = if s.analysis == "transient" { "time" } else { "load factor" };
+        let (value, time) = (short(stop.value, 9), short(stop.time, 9));
+        let value = format!("`{}` has crossed {value} at {parameter} {time}", stop.column);
         add("Stop condition", value, Verdict::Fact);
     }
     if s.frequencies_hz.is_none() && s.load_factors.is_none() && s.analyses.is_empty() {

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::blocks::{Block, Blocks};
+use super::checks::short;
 use crate::out::{OutputError, csv};
 
 /// Largest number of rows in a report.
@@ -43,6 +44,18 @@ pub(super) fn read(path: &Path, blocks: &mut Blocks) -> Result<Option<Table>, Ou
     let columns = (0..names.len()).flat_map(|c| shown.iter().filter_map(move |row| row.get(c)));
     let block = blocks.doubles(columns);
     Ok(Some(Table { rows: shown.len(), names, available, block }))
+}
+
+/// Labels of the states of a path, whose values are the path parameter: their load factors.
+pub(super) fn loads_at(path: &Path, values: &[f64]) -> Result<Vec<String>, OutputError> {
+    let (names, rows) = csv::read(path)?;
+    let Some(position) = names.iter().position(|name| name == "path.position") else { return Ok(Vec::new()) };
+    let label = |value: &f64| {
+        let distance = |row: &&Vec<f64>| (row[position] - value).abs();
+        let nearest = rows.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.map_or_else(String::new, |row| format!("load factor {}", short(row[0], 7)))
+    };
+    Ok(values.iter().map(label).collect())
 }
 
 #[cfg(test)]

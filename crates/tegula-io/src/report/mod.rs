@@ -28,6 +28,11 @@ use scene::{Kind, List, Scene};
 /// Characters of all blocks of a report beyond which no fields are added.
 const MOST_CHARACTERS: usize = 28_000_000;
 
+/// Bytes of the displacements of a report before compression.
+const MOST_BYTES: usize = 24 << 20;
+/// Characters of a model file beyond which its end is not shown.
+const MOST_OF_MODEL: usize = 1_000_000;
+
 /// One analysis of a report.
 #[derive(Debug, Serialize)]
 struct Part {
@@ -65,7 +70,8 @@ impl Report {
         let mut parts = Vec::new();
         for (i, (name, folder)) in folders.into_iter().enumerate() {
             let summary = Summary::read(&folder)?;
-            parts.push(part(name, &folder, summary, (&mut blocks, most / count * (i + 1)))?);
+            let bytes = MOST_BYTES.min(most) / count;
+            parts.push(part(name, &folder, summary, (&mut blocks, most / count * (i + 1), bytes))?);
         }
         let omissions = omissions(&parts);
         let page = page::page(&summary, &parts, &blocks, model_text(&summary).as_deref(), &omissions);
@@ -110,23 +116,37 @@ fn part(
     name: String,
     folder: &Path,
     summary: Summary,
-    (blocks, most): (&mut Blocks, usize),
+    (blocks, most, most_bytes): (&mut Blocks, usize, usize),
 ) -> Result<Part, OutputError> {
     let parameter = match summary.analysis.as_str() {
         "transient" => "time",
         "path" => "position on the path",
         _ => "load factor",
     };
-    let states =
-        List { name: "States", shells: "fields.pvd", bodies: "bodies.pvd", kind: Kind::States, parameter };
+    let deformed = summary.deformed;
+    let states = List {
+        name: "States",
+        shells: "fields.pvd",
+        bodies: "bodies.pvd",
+        kind: Kind::States,
+        parameter,
+        deformed,
+        most_bytes,
+    };
     let modes = List {
         name: "Modes",
         shells: "modes.pvd",
         bodies: "mode_bodies.pvd",
         kind: Kind::Modes,
         parameter: "mode",
+        ..states
     };
-    let critical = List { name: "Critical modes", shells: "critical_modes.pvd", bodies: "", ..modes };
+    let critical = List {
+        name: "Critical modes",
+        shells: "critical_modes.pvd",
+        bodies: "critical_mode_bodies.pvd",
+        ..modes
+    };
     let history = history::read(&folder.join("history.csv"), blocks)?;
     let response = history::read(&folder.join("frequency_response.csv"), blocks)?;
     let table = history::read(&folder.join("modes.csv"), blocks)?;
@@ -136,6 +156,7 @@ fn part(
         scene.labels = match list.name {
             "Modes" => tables::mode_labels(&summary, &scene.values),
             "Critical modes" => tables::critical_labels(&summary, &scene.values),
+            _ if summary.analysis == "path" => history::loads_at(&folder.join("history.csv"), &scene.values)?,
             _ => Vec::new(),
         };
         scenes.push(scene);
@@ -173,5 +194,8 @@ fn omissions(parts: &[Part]) -> Vec<String> {
 fn model_text(summary: &Summary) -> Option<String> {
     let deck = Deck::read(summary.model_path.as_ref()?).ok()?;
     let same = job::fingerprint_of(&deck).is_some_and(|print| format!("{print:016x}") == summary.fingerprint);
-    same.then(|| deck.text.to_string())
+    let most = MOST_OF_MODEL.min(deck.text.len());
+    let end = (0..=most).rev().find(|&i| deck.text.is_char_boundary(i)).unwrap_or(0);
+    let rest = if end < deck.text.len() { "\n# … the rest is not shown" } else { "" };
+    same.then(|| format!("{}{rest}", &deck.text[..end]))
 }

@@ -96,7 +96,7 @@ pub(super) fn page(
 
 /// Text of several lines for HTML.
 fn lines(text: &str) -> String {
-    text.lines().map(|line| escape(line) + "\n").collect()
+    text.lines().map(|line| escape(&line.replace('\t', "    ")) + "\n").collect()
 }
 
 /// A section with a piece for each analysis, under its name where there are several.

@@ -10,8 +10,6 @@ use crate::out::{OutputError, PvdSeries};
 
 /// Largest number of instants in a scene.
 const MOST_INSTANTS: usize = 400;
-/// Bytes of the displacements of a scene before compression, at most (the number of instants is reduced for it).
-const MOST_BYTES: usize = 24 << 20;
 /// Fields that are frames, numbers or directions, which nobody looks at as colours.
 const NOT_SHOWN: [&str; 10] = [
     "displacement",
@@ -60,6 +58,10 @@ pub(super) struct List<'a> {
     pub kind: Kind,
     /// Meaning of the time value of a file.
     pub parameter: &'a str,
+    /// Whether the files contain the deformed mesh.
+    pub deformed: bool,
+    /// Bytes of the displacements before compression, at most: the number of instants is reduced for it.
+    pub most_bytes: usize,
 }
 
 /// Shapes that are shown one after another.
@@ -87,8 +89,8 @@ pub(super) struct SceneMesh {
     pub outline: bool,
     /// Number of points.
     pub points: usize,
-    /// Coordinates without displacement, in single precision.
-    reference: Block,
+    /// Coordinates without displacement, in single precision: of all instants, or of each one where the modes are about different states.
+    references: Vec<Block>,
     quads: Block,
     lines: Block,
     /// Displacement along x, y and z.
@@ -126,14 +128,14 @@ impl Files {
         Ok((!paths.is_empty()).then_some(Self { times, paths }))
     }
 
-    /// Values of an array at all instants.
-    fn values(&self, array: &ArrayHead) -> Result<Vec<Vec<f32>>, OutputError> {
-        self.each(|file| {
-            match file.arrays.iter().find(|a| (a.place, &a.name) == (array.place, &array.name)) {
-                Some(own) => file.values(own),
-                None => Ok(Vec::new()),
-            }
-        })
+    /// Values of an array of `count` numbers at all instants; gaps where a file has none.
+    fn values(&self, array: &ArrayHead, count: usize) -> Result<Vec<Vec<f32>>, OutputError> {
+        let same =
+            |a: &&ArrayHead| (a.place, &a.name, a.components) == (array.place, &array.name, array.components);
+        let mut values =
+            self.each(|file| file.arrays.iter().find(same).map_or(Ok(Vec::new()), |own| file.values(own)))?;
+        values.iter_mut().for_each(|values| values.resize(count, f32::NAN));
+        Ok(values)
     }
 
     fn each(
@@ -166,17 +168,25 @@ pub(super) fn read(
     for (outline, name) in [(false, list.shells), (true, list.bodies)] {
         files.extend(Files::read(folder, name)?.map(|found| (outline, found)));
     }
-    let Some((_, first)) = files.first() else { return Ok(None) };
+    // A run that was killed, or that goes on, may have written one of the lists further than the other one.
+    let times: Vec<Vec<f64>> = files.iter().map(|(_, files)| files.times.clone()).collect();
+    let Some((first, others)) = times.split_first() else { return Ok(None) };
+    let times: Vec<f64> =
+        first.iter().copied().filter(|t| others.iter().all(|other| other.contains(t))).collect();
+    if times.is_empty() {
+        return Ok(None);
+    }
     let mut points = 0;
     for (_, files) in &files {
         points += VtuFile::open(&files.paths[0])?.points;
     }
-    let available = first.times.len();
+    let available = times.len();
+    let most_instants = MOST_INSTANTS.min(list.most_bytes / (6 * points.max(1)));
     let instants = match list.kind {
-        Kind::States => shown(available, MOST_INSTANTS.min(MOST_BYTES / (6 * points.max(1)))),
-        Kind::Modes => (0..available).collect(),
+        Kind::States => shown(available, most_instants),
+        Kind::Modes => (0..available.min(most_instants.max(2))).collect(),
     };
-    let values: Vec<f64> = instants.iter().filter_map(|&i| first.times.get(i).copied()).collect();
+    let values: Vec<f64> = instants.iter().filter_map(|&i| times.get(i).copied()).collect();
     let mut scene = Scene {
         name: list.name.into(),
         kind: list.kind,
@@ -188,9 +198,8 @@ pub(super) fn read(
         values,
     };
     files.iter_mut().for_each(|(_, files)| files.keep(&scene.values));
-    files.retain(|(_, files)| files.paths.len() == scene.values.len());
     for (outline, files) in &files {
-        scene.meshes.push(mesh(files, *outline, blocks)?);
+        scene.meshes.push(mesh(files, *outline, list, blocks)?);
     }
     for ((_, files), mesh) in files.iter().zip(&mut scene.meshes).filter(|((outline, _), _)| !outline) {
         fields(files, mesh, blocks, most, &mut scene.left_out)?;
@@ -213,27 +222,30 @@ impl Files {
 }
 
 /// Mesh with its displacements, without other fields.
-fn mesh(files: &Files, outline: bool, blocks: &mut Blocks) -> Result<SceneMesh, OutputError> {
+fn mesh(files: &Files, outline: bool, list: List<'_>, blocks: &mut Blocks) -> Result<SceneMesh, OutputError> {
     let first = VtuFile::open(&files.paths[0])?;
     let flat = |file: &VtuFile| Ok(file.coordinates()?.into_iter().flatten().collect::<Vec<f64>>());
-    let of =
-        |file: &VtuFile| file.arrays.iter().find(|a| a.name == "displacement" && a.components == 3).cloned();
-    let mut reference: Vec<f64> = flat(&first)?;
-    let last = flat(&VtuFile::open(&files.paths[files.paths.len() - 1])?)?;
-    let array = of(&first);
-    // Files of the deformed mesh: the displacement is the difference of the points.
-    let deformed = last != reference;
-    let displacements = match (&array, deformed) {
-        (Some(array), false) => Some(files.values(array)?),
-        (None, false) => None,
-        (_, true) => {
-            if let Some(array) = &array {
-                reference.iter_mut().zip(first.values(array)?).for_each(|(x, u)| *x -= u);
+    let count = 3 * first.points;
+    let array = first.arrays.iter().find(|a| a.name == "displacement" && a.components == 3);
+    let mut references = vec![flat(&first)?];
+    let displacements = match (list.kind, list.deformed, array) {
+        (Kind::Modes, ..) => {
+            // Modes of critical points are each about a state of their own.
+            let all =
+                files.paths.iter().map(|path| flat(&VtuFile::open(path)?)).collect::<Result<Vec<_>, _>>()?;
+            if all.iter().any(|points| *points != references[0]) {
+                references = all;
             }
-            let difference = |file: &VtuFile| {
-                Ok(flat(file)?.iter().zip(&reference).map(|(x, reference)| x - reference).collect())
-            };
-            Some(files.each(difference)?)
+            array.map(|array| files.values(array, count)).transpose()?
+        }
+        (Kind::States, false, array) => array.map(|array| files.values(array, count)).transpose()?,
+        (Kind::States, true, array) => {
+            if let Some(array) = array {
+                references[0].iter_mut().zip(first.values(array)?).for_each(|(x, u)| *x -= u);
+            }
+            let moved =
+                |file: &VtuFile| Ok(flat(file)?.iter().zip(&references[0]).map(|(x, x0)| x - x0).collect());
+            Some(files.each(moved)?)
         }
     };
     let cells = first.cells()?;
@@ -241,7 +253,7 @@ fn mesh(files: &Files, outline: bool, blocks: &mut Blocks) -> Result<SceneMesh, 
     Ok(SceneMesh {
         outline,
         points: first.points,
-        reference: blocks.singles(&reference),
+        references: references.iter().map(|points| blocks.singles(points)).collect(),
         quads: blocks.indices(cells.quads.iter().flatten()),
         lines: blocks.indices(cells.lines.iter().flatten()),
         displacement,
@@ -272,7 +284,7 @@ fn fields(
             left_out.push(array.name.clone());
             continue;
         }
-        let all = files.values(array)?;
+        let all = files.values(array, count * array.components)?;
         let name = |i: usize| match (array.components, array.component_names.get(i)) {
             (_, Some(name)) => name.clone(),
             (3, None) => ["x", "y", "z"][i].to_owned(),

@@ -28,9 +28,10 @@ pub(super) fn mode_labels(summary: &Summary, values: &[f64]) -> Vec<String> {
 pub(super) fn critical_labels(summary: &Summary, values: &[f64]) -> Vec<String> {
     let points = summary.critical_points.as_deref().unwrap_or_default();
     let label = |value: &f64| {
-        let point = points.get((value.floor() as usize).wrapping_sub(1));
-        point.map_or(format!("point {value}"), |p| {
-            format!("point {value}: {} at λ = {}", p.kind.name(), short(p.load_factor, DIGITS))
+        let number = value.floor();
+        let point = points.get((number as usize).wrapping_sub(1));
+        point.map_or(format!("point {number}"), |p| {
+            format!("point {number}: {} at λ = {}", p.kind.name(), short(p.load_factor, DIGITS))
         })
     };
     values.iter().map(label).collect()
