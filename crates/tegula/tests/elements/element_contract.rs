@@ -308,21 +308,25 @@ fn energy_and_forces_do_not_depend_on_the_numbering_of_the_nodes() {
     }
 }
 
-/// The shear factors c_xz and c_yz are the ones of the axes i and j of the cross-section frame, and
-/// j follows the edge η (eq. 18): two *different* factors mean another section once the nodes are
-/// numbered from another corner. This is the one legitimate dependence on numbering.
+/// The shear factors c_xz and c_yz count from the direction of the section, which is the global x axis without a layup: two *different* factors are the
+/// same section from whichever corner the nodes are numbered, and another one where they are exchanged.
 #[test]
-fn different_shear_factors_belong_to_the_frame_of_the_numbering() {
-    let section = Section { shear_correction: Some([0.3, 1.0]), ..Section::new("m", 0.1) };
-    let case = Case::new(section, materials(), cylinder_patch(0.4, 0.1), false, Random::new(3));
-    let u = case.element.displacement(0.1, &mut Random::new(3));
-    let energy = |order: [usize; 4]| {
-        let u: Vec<Nodal> = (0..8).map(|v| u[4 * (v / 4) + order[v % 4]]).collect();
-        case.renumbered(order, 1.0).energy(&u)
+fn different_shear_factors_do_not_depend_on_the_numbering() {
+    let energies = |factors: [f64; 2]| {
+        let section = Section { shear_correction: Some(factors), ..Section::new("m", 0.1) };
+        let case = Case::new(section, materials(), cylinder_patch(0.4, 0.1), false, Random::new(3));
+        let u = case.element.displacement(0.1, &mut Random::new(3));
+        let energy = |order: [usize; 4]| {
+            let u: Vec<Nodal> = (0..8).map(|v| u[4 * (v / 4) + order[v % 4]]).collect();
+            case.renumbered(order, 1.0).energy(&u)
+        };
+        [[0, 1, 2, 3], [1, 2, 3, 0], [2, 3, 0, 1]].map(energy)
     };
-    let [first, turned, opposite] = [[0, 1, 2, 3], [1, 2, 3, 0], [2, 3, 0, 1]].map(energy);
-    assert!((turned - first).abs() > 1e-3 * first);
-    assert!((opposite - first).abs() < 1e-12 * first);
+    let [first, turned, opposite] = energies([0.3, 1.0]);
+    assert!((turned - first).abs() < 1e-9 * first, "{turned} {first}");
+    assert!((opposite - first).abs() < 1e-9 * first, "{opposite} {first}");
+    let [exchanged, ..] = energies([1.0, 0.3]);
+    assert!((exchanged - first).abs() > 1e-3 * first, "{exchanged} {first}");
 }
 
 /// Minimum of the energy over the enhanced parameters: their forces vanish, and the energy is at most that without them.
