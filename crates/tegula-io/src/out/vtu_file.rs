@@ -304,16 +304,17 @@ mod tests {
         };
         all(VtuFile::open(&path).unwrap()).unwrap();
         let mut failed = 0;
-        for i in (0..text.len()).step_by(3) {
-            for with in ["", "9", "A", "\"", "<"] {
+        let mut tried = 0;
+        for i in (0..text.len()).step_by(5) {
+            for with in ["", "9", "A", "<"] {
                 let mut bad = text.clone();
                 bad.replace_range(i..i + 1, with);
-                std::fs::write(&path, &bad).unwrap();
                 // Whatever comes out: nothing may panic.
-                failed += usize::from(VtuFile::open(&path).and_then(all).is_err());
+                let outcome = VtuFile::parse(&path, bad).map_err(|e| damaged(&path, e)).and_then(all);
+                (tried, failed) = (tried + 1, failed + usize::from(outcome.is_err()));
             }
         }
-        assert!(failed > text.len() / 3, "{failed} of {}", text.len());
+        assert!(2 * failed > tried, "{failed} of {tried}");
         std::fs::write(&path, "no XML").unwrap();
         let message = VtuFile::open(&path).unwrap_err().to_string();
         assert!(message.contains("a.vtu") && message.contains("not XML"), "{message}");
