@@ -1,6 +1,6 @@
 //! Reports of runs: one HTML file with checks, the shapes in three dimensions, curves, results and the model file.
 //!
-//! The file needs no network and no other file. Numbers of the shapes are rounded to 16 bits of the range of each field ([`blocks`]), those of
+//! The file needs no network and no other file. Numbers of the shapes are rounded to 16 bits of the range of each field, those of
 //! curves and tables are not rounded. The shapes are drawn by WebGL 2 (`assets/report/viewer.js`), the curves by uPlot, which is part of the
 //! program (`assets/report/uPlot-LICENSE.txt`).
 
