@@ -12,8 +12,8 @@ use tegula::system::coordinates::Body;
 use tegula::{Mat3, Mesh, System};
 use tegula_io::deck::Deck;
 use tegula_io::job;
+use tegula_io::out::numbers::{grouped, significant};
 
-use crate::numbers::{grouped, significant};
 use crate::report::{self, Failure, warn};
 
 /// Arguments of `tegula check`.

@@ -6,8 +6,8 @@ use clap::Args;
 use serde_json::json;
 use tegula_io::deck::Deck;
 use tegula_io::job::Summary;
+use tegula_io::out::numbers::{grouped, significant};
 
-use crate::numbers::{grouped, significant};
 use crate::report::Failure;
 use crate::{check, run};
 

@@ -16,7 +16,6 @@ mod info;
 mod interrupt;
 mod locking;
 mod new;
-mod numbers;
 mod progress;
 mod report;
 mod run;

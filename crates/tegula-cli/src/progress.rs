@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use tegula_io::job::{JobObserver, Progress, Start};
+use tegula_io::out::numbers::{counted, duration, grouped, significant};
 use tegula_io::out::printable;
 
-use crate::numbers::{counted, duration, grouped, significant};
 use crate::{interrupt, terminal};
 
 /// Part of the run after which a plain line is printed.

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use tegula_io::deck::{Deck, STANDARD_INPUT};
 use tegula_io::job::{self, JobError, JobOptions, StopResult, Summary};
+use tegula_io::out::numbers::{counted, duration, significant};
 
-use crate::numbers::{counted, duration, significant};
 use crate::progress::{Detail, ProgressLine};
 use crate::report::Failure;
 use crate::{html_report, interrupt, threads};

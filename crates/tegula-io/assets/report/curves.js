@@ -1,8 +1,8 @@
 "use strict";
 /* Curves by uPlot: histories, and load-displacement diagrams whose abscissa may turn back. */
 
-/** Okabe and Ito, "Color Universal Design" (2008), without yellow. */
-const INKS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#222222"];
+/** Colours of curves. */
+const INKS = COLOURS.palette;
 
 /** Number for an axis or a legend. */
 function shortNumber(x) {

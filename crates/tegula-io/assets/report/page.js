@@ -24,12 +24,15 @@ async function bytesOf(block) {
 /** Values of a rounded field, one list for each instant: codes are differences from the instant before; 65535 is a gap. */
 async function valuesOf(rounded, instants) {
   const codes = new Uint16Array(await bytesOf(rounded.block)), count = codes.length / instants;
-  const sum = new Uint16Array(count), step = (rounded.greatest - rounded.least) / 65534, out = [];
+  const sum = new Uint16Array(count), { least, greatest } = rounded, out = [];
+  const largest = Math.max(Math.abs(least), Math.abs(greatest));
+  const Values = largest === 0 || (largest > 1e-30 && largest < 1e38) ? Float32Array : Float64Array;
   for (let t = 0; t < instants; t++) {
-    const values = new Float32Array(count);
+    const values = new Values(count);
     for (let i = 0; i < count; i++) {
       sum[i] += codes[t * count + i];
-      values[i] = sum[i] === 65535 ? NaN : rounded.least + step * sum[i];
+      const part = sum[i] / 65534;
+      values[i] = sum[i] === 65535 ? NaN : least * (1 - part) + greatest * part;
     }
     out.push(values);
   }
@@ -146,7 +149,7 @@ class Stage {
     this.picker = element("select", { onchange: () => this.open(this.picker.selectedIndex) }, ...this.list.map(({ part, scene }) => element("option", {}, part.name ? `${part.name}: ${scene.name}` : scene.name)));
     this.field = element("select", { onchange: () => this.recolour() });
     this.each = element("select", { onchange: () => this.recolour() }, element("option", { value: "all" }, "all states"), element("option", { value: "one" }, "this state"));
-    this.map = element("select", { onchange: () => { this.viewer.map(this.map.value); this.legend(); } }, ...Object.keys(MAPS).map((name) => element("option", {}, name)));
+    this.map = element("select", { onchange: () => { this.viewer.map(this.map.value); this.update(); } }, ...Object.keys(MAPS).map((name) => element("option", {}, name)));
     this.slider = element("input", { type: "range", min: 0, step: 1, oninput: () => this.at(Number(this.slider.value)) });
     this.slider.setAttribute("aria-label", "state");
     this.play = button("▶", "play or pause (space)", () => this.toggle());
@@ -251,19 +254,19 @@ class Stage {
     const factor = this.modes ? (scale * 0.1 * this.box.size) / (this.box.largest[instant] || 1) : scale;
     // A mode moves by its shape times the cosine of the phase, and by that a quarter of a period later times the sine.
     const quarter = shapes.quarter(instant), [cosine, sine] = this.modes ? [Math.cos(this.phase), Math.sin(this.phase)] : [1, 0];
+    if (chosen) {
+      let [low, high] = this.each.value === "one" ? rangeOf([chosen.values[instant]]) : (chosen.range ??= rangeOf(chosen.values));
+      if (this.map.value === "diverging") [low, high] = [-Math.max(-low, high), Math.max(-low, high)];
+      viewer.range = low <= high ? [low, high] : [0, 0];
+    }
     viewer.meshes.forEach((drawn) => {
       const u = drawn.mesh.displacement, { references } = drawn.mesh, parts = [];
       if (u) parts.push([u[instant], factor * cosine]);
       if (u && quarter >= 0) parts.push([u[quarter], factor * sine]);
       drawn.move(references[references.length > 1 ? instant : 0], parts);
       if (drawn.mesh.outline || !chosen) drawn.colour(null);
-      else drawn.colour(chosen.values[instant], chosen.atPoints);
+      else drawn.colour(chosen.values[instant], chosen.atPoints, viewer.range);
     });
-    if (chosen) {
-      let [low, high] = this.each.value === "one" ? rangeOf([chosen.values[instant]]) : (chosen.range ??= rangeOf(chosen.values));
-      if (this.map.value === "diverging") [low, high] = [-Math.max(-low, high), Math.max(-low, high)];
-      viewer.range = low <= high ? [low, high] : [0, 0];
-    }
     this.label.textContent = this.labelOf(instant);
     this.slider.setAttribute("aria-valuetext", this.label.textContent);
     this.legend();
@@ -280,7 +283,7 @@ class Stage {
     if (!this.chosen) return this.bar.replaceChildren();
     const map = MAPS[this.map.value], [low, high] = this.viewer.range;
     const stops = map.map((_, i) => `rgb(${colourAt(map, i / (map.length - 1))})`).reverse();
-    const ticks = [1, 0.75, 0.5, 0.25, 0].map((t) => element("span", {}, shortNumber(Number((low + t * (high - low)).toPrecision(4)))));
+    const ticks = [1, 0.75, 0.5, 0.25, 0].map((t) => element("span", {}, shortNumber(Number((low * (1 - t) + high * t).toPrecision(4)))));
     this.bar.replaceChildren(element("b", {}, this.field.selectedOptions[0]?.textContent || ""), element("div", { className: "ramp", style: `background: linear-gradient(${stops})` }), element("div", { className: "ticks" }, ...ticks));
   }
 

@@ -1,10 +1,11 @@
 "use strict";
 /* Shapes in three dimensions by WebGL 2: meshes of quadrilaterals and lines, coloured by a field. */
 
+/** Colours of the pictures: the palette of series, and viridis. */
+const COLOURS = JSON.parse(document.getElementById("colours").textContent);
 /** Colour maps: colours at equal distances, as hexadecimal numbers. Both are readable by colour-blind people. */
 const MAPS = {
-  // viridis (S. van der Walt, N. Smith; CC0)
-  viridis: [0x440154, 0x482475, 0x414487, 0x355f8d, 0x2a788e, 0x21918c, 0x22a884, 0x44bf70, 0x7ad151, 0xbddf26, 0xfde725],
+  viridis: COLOURS.viridis.map((code) => parseInt(code.slice(1), 16)),
   // blue over light grey to orange, for values of both signs
   diverging: [0x08519c, 0x3182bd, 0x6baed6, 0xb3cde3, 0xececec, 0xfdd0a2, 0xfd8d3c, 0xd94801, 0x8c2d04],
 };
@@ -17,15 +18,14 @@ const SURFACE = {
     void main() { place = position; shade = value; gl_Position = camera * vec4(position, 1.0); }`,
   fragment: `#version 300 es
     precision highp float;
-    uniform sampler2D map; uniform vec2 range; uniform vec3 eye; uniform vec3 plain; uniform bool coloured;
+    uniform sampler2D map; uniform vec3 eye; uniform vec3 plain; uniform bool coloured;
     in vec3 place; in float shade; out vec4 colour;
     void main() {
       vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
       vec3 view = normalize(eye - place);
       float light = 0.55 + 0.45 * abs(dot(normal, view));
       bool missing = isnan(shade) || isinf(shade);
-      float t = range.y > range.x ? clamp((shade - range.x) / (range.y - range.x), 0.0, 1.0) : 0.5;
-      vec3 base = coloured && !missing ? texture(map, vec2(t, 0.5)).rgb : plain;
+      vec3 base = coloured && !missing ? texture(map, vec2(clamp(shade, 0.0, 1.0), 0.5)).rgb : plain;
       colour = vec4(base * light, 1.0);
     }`,
 };
@@ -121,13 +121,18 @@ class DrawnMesh {
     gl.bufferData(gl.ARRAY_BUFFER, positions, gl.DYNAMIC_DRAW);
   }
 
-  /** Colours by values at the points or of the cells; by one colour without values. */
-  colour(values, atPoints) {
+  /** Colours by values at the points or of the cells, by their places in a range; by one colour without values. */
+  colour(values, atPoints, [low, high] = [0, 1]) {
     const { gl } = this;
     this.coloured = Boolean(values);
     if (values) {
       const index = atPoints ? this.node : this.cell;
-      for (let i = 0; i < this.count; i++) this.values[i] = values[index[i]];
+      // The range may be beyond single precision, and its size beyond double precision.
+      const size = high / 2 - low / 2;
+      for (let i = 0; i < this.count; i++) {
+        const value = values[index[i]];
+        this.values[i] = size > 0 || Number.isNaN(value) ? (value / 2 - low / 2) / size : 0.5;
+      }
     }
     gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers.values);
     gl.bufferData(gl.ARRAY_BUFFER, this.values, gl.DYNAMIC_DRAW);
@@ -244,7 +249,6 @@ class Viewer {
     gl.useProgram(this.surface.program);
     gl.uniformMatrix4fv(this.surface.at("camera"), false, camera);
     gl.uniform3fv(this.surface.at("eye"), this.eye());
-    gl.uniform2fv(this.surface.at("range"), this.range);
     gl.uniform3fv(this.surface.at("plain"), GREY);
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
     for (const drawn of this.meshes) {

@@ -58,6 +58,7 @@ pub use folder::{Claim, ResultFolder};
 pub use forces::{AccelerationResult, BalanceResult, ForceResult};
 pub use history::HistoryRows;
 pub use prepare::{Prepared, fingerprint_of, prepare};
+pub use recorder::IMBALANCE;
 pub use run::run;
 pub use summary::{
     BranchResult, CriticalResult, Energy, PointResult, Status, StepSummary, StopResult, Summary,

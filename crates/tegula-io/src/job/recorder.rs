@@ -20,8 +20,8 @@ use super::{
 use crate::deck::Diagnostic;
 use crate::out::{HistoryWriter, OutputError};
 
-/// Error of the balance of loads and reactions above which a static analysis warns.
-const IMBALANCE: f64 = 1e-5;
+/// Error of the balance of loads and reactions, as a part of their size, above which a static analysis warns.
+pub const IMBALANCE: f64 = 1e-5;
 /// Longest time on the clock between two checkpoints (s).
 const CHECKPOINT_SECONDS: f64 = 30.0;
 /// Shortest one where every step writes a field file (s).

@@ -18,6 +18,7 @@ pub mod checkpoint;
 pub mod csv;
 pub mod file;
 pub mod matrix_market;
+pub mod numbers;
 pub mod pvd;
 pub mod text;
 pub mod vtu;

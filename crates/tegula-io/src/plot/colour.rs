@@ -46,13 +46,20 @@ impl Rgb {
         Self(self.0.map(|c| c * factor))
     }
 
+    /// Colour as `#rrggbb`.
+    pub fn code(self) -> String {
+        let [r, g, b] = self.bytes();
+        format!("#{r:02x}{g:02x}{b:02x}")
+    }
+
     /// Channels as bytes.
     pub fn bytes(self) -> [u8; 3] {
         self.0.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)
     }
 }
 
-const PALETTE: [Rgb; 7] = [
+/// Colours of series in their order.
+pub const PALETTE: [Rgb; 7] = [
     Rgb::hex(0x0072b2),
     Rgb::hex(0xd55e00),
     Rgb::hex(0x009e73),
@@ -68,7 +75,7 @@ pub fn palette(index: usize) -> Rgb {
 }
 
 /// Samples of viridis at equal distances.
-const VIRIDIS: [Rgb; 11] = [
+pub const VIRIDIS: [Rgb; 11] = [
     Rgb::hex(0x440154),
     Rgb::hex(0x482475),
     Rgb::hex(0x414487),
@@ -114,6 +121,7 @@ mod tests {
     #[test]
     fn hex_and_bytes_agree() {
         assert_eq!(Rgb::hex(0x0172ff).bytes(), [0x01, 0x72, 0xff]);
+        assert_eq!(Rgb::hex(0x0172ff).code(), "#0172ff");
         assert_eq!(palette(7), palette(0));
     }
 }

@@ -68,15 +68,16 @@ impl Blocks {
     }
 
     /// Adds the values of a field, one list for each instant.
-    pub fn rounded(&mut self, instants: &[Vec<f32>]) -> Rounded {
-        let finite = || instants.iter().flatten().copied().filter(|x| x.is_finite()).map(f64::from);
+    pub fn rounded(&mut self, instants: &[Vec<f64>]) -> Rounded {
+        let finite = || instants.iter().flatten().copied().filter(|x| x.is_finite());
         let least = finite().min_by(f64::total_cmp).unwrap_or(0.0);
         let greatest = finite().max_by(f64::total_cmp).unwrap_or(0.0);
-        let step = (greatest - least) / LARGEST;
-        let code = |x: f32| match (x.is_finite(), step > 0.0) {
+        // The range itself may be beyond the largest number.
+        let step = greatest / LARGEST - least / LARGEST;
+        let code = |x: f64| match (x.is_finite(), step > 0.0) {
             (false, _) => MISSING,
             (true, false) => 0,
-            (true, true) => ((f64::from(x) - least) / step).round() as u16,
+            (true, true) => (x / step - least / step).round() as u16,
         };
         let mut before: Vec<u16> = Vec::new();
         let mut bytes = Vec::new();
@@ -115,14 +116,18 @@ pub(super) mod tests {
     pub fn values(blocks: &Blocks, field: &Rounded, count: usize) -> Vec<Vec<f64>> {
         let bytes = decoded(blocks, field.block);
         let mut sum = vec![0_u16; count];
-        let step = (field.greatest - field.least) / LARGEST;
         let instants = bytes.chunks(2 * count).map(|instant| {
             instant
                 .chunks(2)
                 .zip(&mut sum)
                 .map(|(b, sum)| {
                     *sum = sum.wrapping_add(u16::from_le_bytes([b[0], b[1]]));
-                    if *sum == MISSING { f64::NAN } else { field.least + step * f64::from(*sum) }
+                    let part = f64::from(*sum) / LARGEST;
+                    if *sum == MISSING {
+                        f64::NAN
+                    } else {
+                        field.least * (1.0 - part) + field.greatest * part
+                    }
                 })
                 .collect()
         });
@@ -131,11 +136,11 @@ pub(super) mod tests {
 
     #[test]
     fn fields_keep_five_digits_of_their_range_and_gaps() {
-        let instants: Vec<Vec<f32>> =
-            (0..7).map(|t| (0..50).map(|i| ((i * t) as f32).sin() * 1e3 - 1e4).collect()).collect();
+        let instants: Vec<Vec<f64>> =
+            (0..7).map(|t| (0..50).map(|i| f64::from(i * t).sin() * 1e3 - 1e4).collect()).collect();
         let mut with_gap = instants.clone();
-        with_gap[3][4] = f32::NAN;
-        with_gap[5][4] = f32::INFINITY;
+        with_gap[3][4] = f64::NAN;
+        with_gap[5][4] = f64::INFINITY;
         let mut blocks = Blocks::default();
         let field = blocks.rounded(&with_gap);
         let found = values(&blocks, &field, 50);
@@ -145,8 +150,20 @@ pub(super) mod tests {
                 if i == 4 && (t == 3 || t == 5) {
                     assert!(x.is_nan());
                 } else {
-                    assert!((x - f64::from(*y)).abs() <= 2e3 / LARGEST, "{t} {i}: {x} for {y}");
+                    assert!((x - y).abs() <= 2e3 / LARGEST, "{t} {i}: {x} for {y}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn fields_beyond_single_precision_keep_their_digits() {
+        for size in [1e-300, 1e-42, 1e42, 1.7e308] {
+            let instant: Vec<f64> = (0..50).map(|i| size * f64::from(i).sin()).collect();
+            let mut blocks = Blocks::default();
+            let field = blocks.rounded(std::slice::from_ref(&instant));
+            for (x, y) in values(&blocks, &field, 50)[0].iter().zip(&instant) {
+                assert!((x / size - y / size).abs() <= 2.0 / LARGEST, "{x:e} for {y:e}");
             }
         }
     }
@@ -156,7 +173,7 @@ pub(super) mod tests {
         let mut blocks = Blocks::default();
         let field = blocks.rounded(&[vec![2.5, 2.5], vec![2.5, 2.5]]);
         assert_eq!(values(&blocks, &field, 2), [[2.5, 2.5], [2.5, 2.5]]);
-        let none = blocks.rounded(&[vec![f32::NAN]]);
+        let none = blocks.rounded(&[vec![f64::NAN]]);
         assert!(values(&blocks, &none, 1)[0][0].is_nan());
         assert_eq!(blocks.size, blocks.texts().iter().map(String::len).sum::<usize>());
     }

@@ -2,10 +2,8 @@
 
 use serde::Serialize;
 
-use crate::job::{Status, Summary};
-
-/// Imbalance of forces from which on it needs a look; static analyses warn from it on.
-const IMBALANCE: f64 = 1e-5;
+use crate::job::{IMBALANCE, Status, Summary};
+use crate::out::numbers::significant;
 
 /// Verdict on a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -31,31 +29,9 @@ pub(super) struct Check {
     pub verdict: Verdict,
 }
 
-/// Number with so many digits that it can be read, without zeros at its end.
-pub(super) fn short(x: f64, digits: usize) -> String {
-    if x == 0.0 || !x.is_finite() {
-        return if x == 0.0 { "0".into() } else { x.to_string() };
-    }
-    let text = format!("{x:.*e}", digits.saturating_sub(1));
-    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-    let power: i32 = exponent.parse().unwrap_or(0);
-    if (-4..digits as i32 + 1).contains(&power) {
-        let decimals = (digits as i32 - 1 - power).max(0) as usize;
-        let plain = format!("{x:.decimals$}");
-        return if plain.contains('.') {
-            plain.trim_end_matches('0').trim_end_matches('.').to_owned()
-        } else {
-            plain
-        };
-    }
-    let mantissa =
-        if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
-    format!("{mantissa}e{power}")
-}
-
 /// Size in bytes with a unit.
 fn bytes(n: u64) -> String {
-    format!("{} MB", short(n as f64 / 1e6, 3))
+    format!("{} MB", significant(n as f64 / 1e6, 3))
 }
 
 /// The checks of a run.
@@ -79,7 +55,7 @@ pub(super) fn of(s: &Summary) -> Vec<Check> {
     if let Some(balance) = &s.balance {
         for (name, error) in [("Balance of forces", balance.force), ("Balance of moments", balance.moment)] {
             let verdict = if error <= IMBALANCE { Verdict::Good } else { Verdict::Doubtful };
-            add(name, format!("{} of their sum", short(error, 2)), verdict);
+            add(name, format!("{} of their sum", significant(error, 2)), verdict);
         }
     }
     match s.negative_pivots {
@@ -96,7 +72,7 @@ pub(super) fn of(s: &Summary) -> Vec<Check> {
     if let Some(error) = s.energy_error {
         add(
             "Error of the energy balance",
-            format!("{} of the largest energy", short(error, 2)),
+            format!("{} of the largest energy", significant(error, 2)),
             Verdict::Fact,
         );
     }
@@ -109,18 +85,18 @@ pub(super) fn of(s: &Summary) -> Vec<Check> {
     }
     if let Some(stop) = &s.stop {
         let parameter = if s.analysis == "transient" { "time" } else { "load factor" };
-        let (value, time) = (short(stop.value, 9), short(stop.time, 9));
+        let (value, time) = (significant(stop.value, 9), significant(stop.time, 9));
         let value = format!("`{}` has crossed {value} at {parameter} {time}", stop.column);
         add("Stop condition", value, Verdict::Fact);
     }
     if s.frequencies_hz.is_none() && s.load_factors.is_none() && s.analyses.is_empty() {
         let parameter = if s.analysis == "transient" { "Time" } else { "Load factor" };
-        let end = if s.analysis == "path" { String::new() } else { format!(" of {}", short(s.end, 9)) };
-        add(parameter, format!("{}{end}", short(s.time, 9)), Verdict::Fact);
+        let end = if s.analysis == "path" { String::new() } else { format!(" of {}", significant(s.end, 9)) };
+        add(parameter, format!("{}{end}", significant(s.time, 9)), Verdict::Fact);
         let per_step = s.iterations as f64 / s.steps.max(1) as f64;
         // Steps of power series have no iterations.
         let each = if s.iterations > 0 {
-            format!(", {} iterations each", short(per_step, 3))
+            format!(", {} iterations each", significant(per_step, 3))
         } else {
             String::new()
         };
@@ -129,32 +105,9 @@ pub(super) fn of(s: &Summary) -> Vec<Check> {
     add("Factorisations", s.factorizations.to_string(), Verdict::Fact);
     add("Model", format!("{} shell elements, {} unknowns", s.elements, s.unknowns), Verdict::Fact);
     if s.mass != 0.0 {
-        add("Mass", short(s.mass, 9), Verdict::Fact);
+        add("Mass", significant(s.mass, 9), Verdict::Fact);
     }
     let memory = s.peak_memory_bytes.map(|n| format!(", {} of memory", bytes(n))).unwrap_or_default();
-    add("Cost", format!("{} s on {} threads{memory}", short(s.wall_s, 3), s.threads), Verdict::Fact);
+    add("Cost", format!("{} s on {} threads{memory}", significant(s.wall_s, 3), s.threads), Verdict::Fact);
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_short_and_right() {
-        for (x, digits, text) in [
-            (0.0, 3, "0"),
-            (1234.0, 9, "1234"),
-            (0.25, 9, "0.25"),
-            (-3.200_000_1, 4, "-3.2"),
-            (1e-12, 2, "1e-12"),
-            (6.702_345e22, 3, "6.7e22"),
-            (100.0, 2, "100"),
-            (99.96, 3, "100"),
-            (0.000_123_4, 3, "0.000123"),
-            (f64::NAN, 3, "NaN"),
-        ] {
-            assert_eq!(short(x, digits), text);
-        }
-    }
 }

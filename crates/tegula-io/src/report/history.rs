@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::blocks::{Block, Blocks};
-use super::checks::short;
+use crate::out::numbers::significant;
 use crate::out::{OutputError, csv};
 
 /// Largest number of rows in a report.
@@ -53,7 +53,7 @@ pub(super) fn loads_at(path: &Path, values: &[f64]) -> Result<Vec<String>, Outpu
     let label = |value: &f64| {
         let distance = |row: &&Vec<f64>| (row[position] - value).abs();
         let nearest = rows.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        nearest.map_or_else(String::new, |row| format!("load factor {}", short(row[0], 7)))
+        nearest.map_or_else(String::new, |row| format!("load factor {}", significant(row[0], 7)))
     };
     Ok(values.iter().map(label).collect())
 }

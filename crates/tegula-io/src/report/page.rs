@@ -6,6 +6,7 @@ use super::blocks::Blocks;
 use super::{Part, tables};
 use crate::job::{Status, Summary};
 use crate::out::vtu::escape;
+use crate::plot::colour::{PALETTE, Rgb, VIRIDIS};
 
 const STYLE: [&str; 2] =
     [include_str!("../../assets/report/uPlot.min.css"), include_str!("../../assets/report/page.css")];
@@ -21,6 +22,13 @@ const SCRIPTS: [&str; 4] = [
 struct Data<'a> {
     title: &'a str,
     parts: &'a [Part],
+}
+
+/// Colours of the pictures, for the scripts.
+#[derive(Serialize)]
+struct Colours {
+    palette: Vec<String>,
+    viridis: Vec<String>,
 }
 
 /// Text for a script element, in which no tag may begin.
@@ -88,7 +96,12 @@ pub(super) fn page(
             .enumerate()
             .map(|(i, text)| format!("<script type=\"text/plain\" id=\"block-{i}\">{text}</script>\n")),
     );
-    out.push(format!("<script type=\"application/json\" id=\"data\">{}</script>\n", in_script(&data)));
+    let codes = |colours: &[Rgb]| colours.iter().map(|colour| colour.code()).collect();
+    let colours = Colours { palette: codes(&PALETTE), viridis: codes(&VIRIDIS) };
+    let colours = serde_json::to_string(&colours).unwrap_or_default();
+    for (id, text) in [("data", data), ("colours", colours)] {
+        out.push(format!("<script type=\"application/json\" id=\"{id}\">{}</script>\n", in_script(&text)));
+    }
     out.extend(SCRIPTS.iter().map(|script| format!("<script>\n{script}\n</script>\n")));
     out.push("</body>\n</html>\n".into());
     out

@@ -129,21 +129,20 @@ impl Files {
     }
 
     /// Values of an array of `count` numbers at all instants; gaps where a file has none.
-    fn values(&self, array: &ArrayHead, count: usize) -> Result<Vec<Vec<f32>>, OutputError> {
+    fn values(&self, array: &ArrayHead, count: usize) -> Result<Vec<Vec<f64>>, OutputError> {
         let same =
             |a: &&ArrayHead| (a.place, &a.name, a.components) == (array.place, &array.name, array.components);
         let mut values =
             self.each(|file| file.arrays.iter().find(same).map_or(Ok(Vec::new()), |own| file.values(own)))?;
-        values.iter_mut().for_each(|values| values.resize(count, f32::NAN));
+        values.iter_mut().for_each(|values| values.resize(count, f64::NAN));
         Ok(values)
     }
 
     fn each(
         &self,
         values: impl Fn(&VtuFile) -> Result<Vec<f64>, OutputError>,
-    ) -> Result<Vec<Vec<f32>>, OutputError> {
-        let single = |values: Vec<f64>| values.into_iter().map(|x| x as f32).collect();
-        self.paths.iter().map(|path| Ok(single(values(&VtuFile::open(path)?)?))).collect()
+    ) -> Result<Vec<Vec<f64>>, OutputError> {
+        self.paths.iter().map(|path| values(&VtuFile::open(path)?)).collect()
     }
 }
 
@@ -262,7 +261,7 @@ fn mesh(files: &Files, outline: bool, list: List<'_>, blocks: &mut Blocks) -> Re
 }
 
 /// One component of values at all instants.
-fn component(instants: &[Vec<f32>], index: usize, components: usize) -> Vec<Vec<f32>> {
+fn component(instants: &[Vec<f64>], index: usize, components: usize) -> Vec<Vec<f64>> {
     instants.iter().map(|values| values.iter().skip(index).step_by(components).copied().collect()).collect()
 }
 

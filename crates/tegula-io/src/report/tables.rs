@@ -1,7 +1,8 @@
 //! Tables of a report, as HTML, and labels of shapes.
 
-use super::checks::{Verdict, of, short};
+use super::checks::{Verdict, of};
 use crate::job::{ForceResult, Summary};
+use crate::out::numbers::significant;
 use crate::out::vtu::escape;
 
 /// Digits of numbers in tables.
@@ -19,7 +20,9 @@ pub(super) fn mode_labels(summary: &Summary, values: &[f64]) -> Vec<String> {
     let label = |value: &f64| {
         let number = value.floor();
         let found = found.get((number as usize).wrapping_sub(1));
-        found.map_or(format!("mode {number}"), |x| format!("mode {number}: {name} = {}", short(*x, DIGITS)))
+        found.map_or(format!("mode {number}"), |x| {
+            format!("mode {number}: {name} = {}", significant(*x, DIGITS))
+        })
     };
     values.iter().map(label).collect()
 }
@@ -31,7 +34,7 @@ pub(super) fn critical_labels(summary: &Summary, values: &[f64]) -> Vec<String> 
         let number = value.floor();
         let point = points.get((number as usize).wrapping_sub(1));
         point.map_or(format!("point {number}"), |p| {
-            format!("point {number}: {} at λ = {}", p.kind.name(), short(p.load_factor, DIGITS))
+            format!("point {number}: {} at λ = {}", p.kind.name(), significant(p.load_factor, DIGITS))
         })
     };
     values.iter().map(label).collect()
@@ -87,7 +90,7 @@ pub(super) fn checks(summary: &Summary) -> String {
 
 /// Results at the end of a run.
 pub(super) fn results(s: &Summary) -> String {
-    let numbers = |x: &[f64]| x.iter().map(|x| short(*x, DIGITS)).collect::<Vec<_>>();
+    let numbers = |x: &[f64]| x.iter().map(|x| significant(*x, DIGITS)).collect::<Vec<_>>();
     let named = |name: &str, values: &[&[f64]]| {
         let mut row = vec![name.to_owned()];
         row.extend(values.iter().flat_map(|v| numbers(v)));
@@ -104,12 +107,17 @@ pub(super) fn results(s: &Summary) -> String {
     out += &table("Section forces at the end", &head, &forces(&s.cuts));
     let counted = |found: &Option<Vec<f64>>| -> Vec<Vec<String>> {
         let values = found.iter().flatten().enumerate();
-        values.map(|(i, x)| vec![(i + 1).to_string(), short(*x, 9)]).collect()
+        values.map(|(i, x)| vec![(i + 1).to_string(), significant(*x, 9)]).collect()
     };
     out += &table("Natural frequencies", &["mode", "cycles per unit of time"], &counted(&s.frequencies_hz));
     out += &table("Load factors of buckling", &["mode", "load factor"], &counted(&s.load_factors));
     let critical = s.critical_points.iter().flatten().enumerate().map(|(i, p)| {
-        vec![(i + 1).to_string(), p.kind.name().into(), short(p.load_factor, 9), short(p.position, DIGITS)]
+        vec![
+            (i + 1).to_string(),
+            p.kind.name().into(),
+            significant(p.load_factor, 9),
+            significant(p.position, DIGITS),
+        ]
     });
     out += &table(
         "Critical points of the path",

@@ -1,4 +1,4 @@
-//! Formatting of numbers for the console.
+//! Formatting of numbers for readers: the console and reports.
 
 /// A number with at most `digits` significant digits, without trailing zeros; with an exponent where it is very
 /// large or small.
