@@ -22,7 +22,8 @@ coupling with other programs.
 
 from ._errors import AnalysisError, Diagnostic, ModelError, ModelWarning, OutputError, TegulaError
 from ._mesh import from_meshio, from_pyvista
-from ._model import Model, Progress, run
+from ._model import Model, run
+from ._progress import Progress
 from ._result import Frame, Result, StateSpace, Table
 from ._simulation import Energies, Simulation, Statistics
 from ._tegula import VERSION as __version__

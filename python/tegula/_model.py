@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import contextlib
+import html
 import os
 import shutil
 import tempfile
 import weakref
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-from ._errors import AnalysisError, OutputError, warn
-from ._result import Result
+from ._errors import AnalysisError, OutputError, TegulaError, warn
+from ._progress import Bar, Progress
+from ._result import MOST_IN_NOTEBOOK, Result, framed
 from ._simulation import Simulation
 from ._tegula import Deck
 
@@ -33,27 +35,26 @@ def _use_threads() -> None:
         )
 
 
-class Progress(NamedTuple):
-    """A finished step."""
-
-    step: int
-    """Number of the step."""
-    time: float
-    """Time (load factor) at its end."""
-    end: float
-    """Time (load factor) at which the analysis ends."""
-    step_size: float
-    """Length of the step."""
-    iterations: int
-    """Iterations of the step."""
-
-
 class _TemporaryFolder:
     """A folder that is removed with the last reference to it."""
 
     def __init__(self) -> None:
         self.path = Path(tempfile.mkdtemp(prefix="tegula-"))
         self._remove = weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def _reported(
+    progress: Callable[[Progress], object] | bool | None, parameter: str
+) -> Iterator[Callable[[int, float, float, float, int], object] | None]:
+    """What the compiled part calls after each step, while a bar is shown where one is wanted."""
+    if progress is None or progress is False:
+        yield None
+    elif progress is True:
+        with Bar(parameter) as bar:
+            yield lambda *step: bar(Progress(*step))
+    else:
+        yield lambda *step: progress(Progress(*step))
 
 
 class Model:
@@ -125,16 +126,17 @@ class Model:
         *,
         resume: bool = False,
         force: bool = False,
-        progress: Callable[[Progress], object] | None = None,
+        progress: Callable[[Progress], object] | bool | None = None,
         _stacklevel: int = 2,
     ) -> Result:
         """Runs the model, as `tegula run` does.
 
         `out` is the result folder; without it the results are in a temporary folder that lasts as long as the `Result`.
         `resume` restarts from the checkpoint of an interrupted run, `force` replaces the results of another model.
-        `progress` is called at the start (step 0) and after each step, but not in modal and buckling analyses; an exception in
-        it ends the run after that step, and where `out` is given the run can be resumed. Outside Python's main thread it is
-        called in a thread of the computation.
+        `progress=True` shows a bar in a notebook, or on the terminal of standard error; elsewhere nothing. A function
+        `progress` is called at the start (step 0) and after each step; an exception in it ends the run after that step, and
+        where `out` is given the run can be resumed. Outside Python's main thread it is called in a thread of the computation.
+        Modal and buckling analyses have no steps, and so no progress.
 
         Warnings of the run are `ModelWarning`s at its end. Other threads of Python run meanwhile. Ctrl-C ends the run after the step with `KeyboardInterrupt`. Raises
         `ModelError`, `AnalysisError`, `OutputError`.
@@ -148,14 +150,9 @@ class Model:
                 raise ValueError("a run is resumed in its result folder: give `out`")
             temporary = _TemporaryFolder()
             out = temporary.path / "result"
-        report = progress
-
-        def on_step(step: int, time: float, end: float, step_size: float, iterations: int) -> None:
-            assert report is not None
-            report(Progress(step, time, end, step_size, iterations))
-
         try:
-            found = self._deck.run(fspath(out), resume, force, None if progress is None else on_step)
+            with _reported(progress, self._deck.parameter) as report:
+                found = self._deck.run(fspath(out), resume, force, report)
         except AnalysisError as error:
             with contextlib.suppress(OutputError):
                 error.result = Result(out, _keep=temporary)
@@ -184,6 +181,31 @@ class Model:
         warn(steps.warnings(), 2)
         return Simulation(steps)
 
+    def report(self, path: str | PathLike[str]) -> Path:
+        """Writes a report of the model: one HTML file for a browser, without network, with mesh, supports, loads and sets.
+
+        Args:
+            path: The file.
+
+        Returns:
+            The path of the file.
+
+        Raises:
+            ModelError: the model is wrong.
+            OutputError: the report cannot be written.
+        """
+        _use_threads()
+        self._deck.write_report(path)
+        return Path(path)
+
+    def _repr_html_(self) -> str:
+        """The report in a notebook; of a wrong model its mistakes."""
+        try:
+            _use_threads()
+            return framed(self._deck.report_page(MOST_IN_NOTEBOOK))
+        except (TegulaError, RuntimeError) as error:
+            return f"<pre>{html.escape(f'{self!r}: {error}')}</pre>"
+
     def __repr__(self) -> str:
         title = f" {self.title!r}" if self.title else ""
         return f"<tegula.Model{title} from {self._deck.path}>"
@@ -210,7 +232,7 @@ def run(
     *,
     resume: bool = False,
     force: bool = False,
-    progress: Callable[[Progress], object] | None = None,
+    progress: Callable[[Progress], object] | bool | None = None,
 ) -> Result:
     """Runs a model file, a dictionary or a `Model`; see `Model.run`."""
     if isinstance(model, dict):

@@ -17,8 +17,16 @@ from numpy.typing import NDArray
 from ._errors import OutputError
 from ._tegula import report_page, write_report
 
-_MOST_IN_NOTEBOOK = 8_000_000
+MOST_IN_NOTEBOOK = 8_000_000
 """Characters of a report in a notebook, which keeps a copy of it."""
+
+
+def framed(page: str) -> str:
+    """A page in a frame of a notebook, which cannot reach the notebook."""
+    return (
+        f'<iframe srcdoc="{html.escape(page, quote=True)}" sandbox="allow-scripts allow-downloads" loading="lazy" '
+        'style="width: 100%; height: 860px; border: 1px solid #ccc"></iframe>'
+    )
 
 
 @dataclass(frozen=True)
@@ -238,13 +246,9 @@ class Result:
     def _repr_html_(self) -> str:
         """The report in a notebook."""
         try:
-            page = html.escape(report_page(self.folder, _MOST_IN_NOTEBOOK), quote=True)
+            return framed(report_page(self.folder, MOST_IN_NOTEBOOK))
         except OutputError as error:
             return f"<pre>{html.escape(f'{self!r}: {error}')}</pre>"
-        return (
-            f'<iframe srcdoc="{page}" sandbox="allow-scripts allow-downloads" loading="lazy" '
-            'style="width: 100%; height: 860px; border: 1px solid #ccc"></iframe>'
-        )
 
     def __copy__(self) -> Result:
         return Result(self.folder, _keep=self._keep)

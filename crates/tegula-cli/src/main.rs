@@ -55,7 +55,7 @@ enum Command {
     New(new::Arguments),
     /// Write the model file that corresponds to an input file of Abaqus, CalculiX or Nastran
     Convert(convert::Arguments),
-    /// Write the report of a result folder: one HTML file with checks, moving shapes, curves and tables
+    /// Write the report of a result folder, or of a model file: one HTML file with moving shapes, checks, curves and tables, or with the mesh, supports, loads and sets
     Report(html_report::Arguments),
     /// Print the JSON Schema of the model file, for editors
     Schema,

@@ -77,8 +77,13 @@ fn reportable(outcome: &Result<Summary, JobError>) -> bool {
 }
 
 fn default_folder(model: &Path) -> PathBuf {
+    Path::new("results").join(name_of(model))
+}
+
+/// Name of a model file without its ending.
+pub fn name_of(model: &Path) -> PathBuf {
     let name = if model == Path::new(STANDARD_INPUT) { "stdin".as_ref() } else { model.as_os_str() };
-    Path::new("results").join(Path::new(name).file_stem().unwrap_or(name))
+    Path::new(name).file_stem().unwrap_or(name).into()
 }
 
 /// Summary, as in `summary.json`.

@@ -6,8 +6,10 @@ use std::sync::OnceLock;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use tegula::model::Analysis;
 use tegula_io::deck;
 use tegula_io::job::{self, JobError, JobOptions};
+use tegula_io::report::{self, Report};
 
 use crate::simulation::Steps;
 use crate::threads::compute;
@@ -64,10 +66,31 @@ impl Deck {
         &self.0.path
     }
 
+    /// Meaning of the time of a step: of several analyses it depends on the analysis.
+    #[getter]
+    fn parameter(&self) -> &'static str {
+        match self.0.model.analysis {
+            _ if !self.0.model.steps.is_empty() => "time (load factor)",
+            Analysis::Transient(_) => "time",
+            _ => "load factor",
+        }
+    }
+
     /// Warnings about a model that can be computed.
     fn check(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         let prepared = compute(py, &OnceLock::new(), || job::prepare(&self.0))?.map_err(failure::of_run)?;
         Ok(prepared.warnings.iter().map(ToString::to_string).collect())
+    }
+
+    /// Writes the report of the model to a file; returns what it leaves out.
+    fn write_report(&self, py: Python<'_>, file: PathBuf) -> PyResult<Vec<String>> {
+        compute(py, &OnceLock::new(), || report::write_model(&self.0, &file))?.map_err(failure::of_run)
+    }
+
+    /// The report of the model as HTML, of about so many characters.
+    fn report_page(&self, py: Python<'_>, most: usize) -> PyResult<String> {
+        let report = compute(py, &OnceLock::new(), || Report::of_model(&self.0, most))?;
+        report.map(|report| report.page.concat()).map_err(failure::of_run)
     }
 
     /// Runs the model; the results are in the folder. Returns the warnings.

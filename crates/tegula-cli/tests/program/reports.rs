@@ -71,3 +71,24 @@ fn folders_without_results_and_damaged_files_are_errors() {
     assert!(errors(&damaged).contains("0003.vtu"), "{}", errors(&damaged));
     assert!(!result.join("report.html").exists(), "nothing is written");
 }
+
+#[test]
+fn models_have_reports_before_they_are_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("model.html");
+    let model = example("cantilever_plate.toml");
+    let out = tegula(&["report", text(&model), "--out", text(&file)]);
+    assert!(out.status.success(), "{}", errors(&out));
+    let page = fs::read_to_string(&file).unwrap();
+    for part in ["Mesh, supports and loads", "clamp on ", "[materials.", "</html>"] {
+        assert!(page.contains(part), "{part}");
+    }
+    // A wrong model has no report.
+    let wrong = folder.path().join("wrong.toml");
+    let given = fs::read_to_string(&model).unwrap();
+    fs::write(&wrong, given.replace("type = \"clamp\"", "type = \"clamped\"")).unwrap();
+    let file = folder.path().join("wrong.html");
+    let out = tegula(&["report", text(&wrong), "--out", text(&file)]);
+    assert_eq!(out.status.code(), Some(1), "{}", errors(&out));
+    assert!(errors(&out).contains("clamped") && !file.exists());
+}

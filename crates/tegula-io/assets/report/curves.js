@@ -4,13 +4,6 @@
 /** Colours of curves. */
 const INKS = COLOURS.palette;
 
-/** Number for an axis or a legend. */
-function shortNumber(x) {
-  if (x === null || x === undefined || Number.isNaN(x)) return "–";
-  const size = Math.abs(x);
-  return size === 0 || (size >= 1e-3 && size < 1e5) ? String(Number(x.toPrecision(6))) : x.toExponential(4).replace(/\.?0+e/, "e");
-}
-
 /** Options that all plots have. */
 function plotOptions(box, title, x, y) {
   const axis = (label) => ({ label, labelSize: 22, size: 58, stroke: "#444", values: (u, ticks) => ticks.map(shortNumber), grid: { stroke: "#e4e4e4" } });

@@ -12,6 +12,13 @@ function element(tag, attributes = {}, ...children) {
   return out;
 }
 
+/** Number for an axis or a legend. */
+function shortNumber(x) {
+  if (x === null || x === undefined || Number.isNaN(x)) return "–";
+  const size = Math.abs(x);
+  return size === 0 || (size >= 1e-3 && size < 1e5) ? String(Number(x.toPrecision(6))) : x.toExponential(4).replace(/\.?0+e/, "e");
+}
+
 /** Bytes of a block: base64, compressed by zlib. */
 async function bytesOf(block) {
   const text = atob(document.getElementById(`block-${block}`).textContent);
@@ -95,7 +102,7 @@ class Shapes {
   choices() {
     const shells = this.meshes.find((m) => !m.outline);
     if (!shells) return [];
-    const out = shells.displacement ? ["magnitude", "x", "y", "z"].map((c) => [`displacement/${c}`, `displacement ${c}`]) : [];
+    const out = this.scene.kind === "model" ? [["", "one colour"], ["side", "side of the directors"]] : shells.displacement ? ["magnitude", "x", "y", "z"].map((c) => [`displacement/${c}`, `displacement ${c}`]) : [];
     for (const { name, components } of shells.fields)
       for (const [component] of components) out.push([`${name}/${component}`, `${name.replaceAll("_", " ")} ${component}`.trim()]);
     return out;
@@ -103,6 +110,7 @@ class Shapes {
 
   /** Values of a field at all instants. */
   async field(choice) {
+    if (choice === "side") return null;
     if (!this.cache.has(choice)) this.cache.set(choice, await this.decode(choice));
     return this.cache.get(choice);
   }
@@ -116,7 +124,7 @@ class Shapes {
     }
     const field = shells.fields.find((f) => f.name === name);
     const [, rounded] = field.components.find(([c]) => c === component);
-    return { atPoints: field.at_points, values: await valuesOf(rounded, this.instants) };
+    return { atPoints: field.at_points, values: await valuesOf(rounded, this.instants), categories: field.categories };
   }
 }
 
@@ -155,19 +163,25 @@ class Stage {
     this.play = button("▶", "play or pause (space)", () => this.toggle());
     this.label = element("output");
     this.scale = element("input", { type: "number", step: "any", size: 7, onchange: () => this.update() });
-    this.colours = element("span", { className: "group" }, labelled("colour", this.field), labelled("range of", this.each), labelled("map", this.map));
+    this.ranges = element("span", { className: "group" }, labelled("range of", this.each), labelled("map", this.map));
+    this.colours = element("span", { className: "group" }, labelled("colour", this.field), this.ranges);
     const tick = (key, text) => labelled(text, element("input", { type: "checkbox", checked: true, onchange: (e) => { this.viewer.show[key] = e.target.checked; this.viewer.redraw(); } }));
     this.bar = element("div", { className: "bar" });
     this.triad = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     this.triad.setAttribute("class", "triad");
     this.invitation = element("p", {}, "Click on a shell to see values over time at its nearest node.");
     this.node = element("div", { className: "node" }, this.invitation);
+    this.markList = element("div", { className: "marks" });
+    const [scale, undeformed] = [labelled("displacements ×", this.scale), tick("undeformed", "undeformed")];
+    const time = element("div", { className: "time" }, this.play, this.slider, this.label), keys = element("span", {}, " Keys: space, ← →, + −, r.");
+    this.ofMotion = [scale, undeformed, time, keys];
     [this.phase, this.due, this.picked] = [0, 0, null];
     holder.append(
-      element("div", { className: "controls" }, ...(this.list.length > 1 ? [labelled("show", this.picker)] : []), this.colours, labelled("displacements ×", this.scale), tick("edges", "edges"), tick("undeformed", "undeformed"), button("reset view", "first direction of view (r)", () => this.viewer.reset()), button("save picture", "save the picture as PNG", () => this.save())),
+      element("div", { className: "controls" }, ...(this.list.length > 1 ? [labelled("show", this.picker)] : []), this.colours, scale, tick("edges", "edges"), undeformed, button("reset view", "first direction of view (r)", () => this.viewer.reset()), button("save picture", "save the picture as PNG", () => this.save())),
       element("div", { className: "stage" }, this.canvas, this.bar, this.triad),
-      element("div", { className: "time" }, this.play, this.slider, this.label),
-      element("p", { className: "hint" }, "Drag to turn, wheel to zoom, shift and drag to move. Keys: space, ← →, + −, r."),
+      time,
+      element("p", { className: "hint" }, "Drag to turn, wheel to zoom, shift and drag to move.", keys),
+      this.markList,
       this.node,
     );
     this.viewer = new Viewer(this.canvas);
@@ -187,7 +201,9 @@ class Stage {
     this.node.replaceChildren(this.invitation);
     this.picked = null;
     this.box = this.shapes.extent();
-    this.modes = scene.kind === "modes";
+    [this.modes, this.still] = [scene.kind === "modes", scene.kind === "model"];
+    for (const control of this.ofMotion) control.hidden = this.still;
+    this.ranges.hidden = this.still;
     const largest = this.box.largest.reduce((a, b) => Math.max(a, b), 0);
     const small = largest > 0 && largest < 0.02 * this.box.size;
     this.scale.value = this.modes || !small ? 1 : rounded125((0.1 * this.box.size) / largest);
@@ -199,9 +215,19 @@ class Stage {
     const first = ["von_mises/", "displacement/magnitude"].find((name) => choices.some(([value]) => value === name));
     this.field.value = choices.some(([value]) => value === kept) ? kept : this.modes ? "displacement/magnitude" : first || "";
     this.viewer.load(this.shapes.meshes);
+    if (this.still) await this.openModel();
     this.viewer.fit(...this.swept());
     this.slider.value = this.modes ? this.firstElastic() : this.slider.max;
     await this.recolour();
+  }
+
+  /** Shows the marks of a model, whose sections have colours where there are several. */
+  async openModel() {
+    const { shapes, viewer } = this, sections = shapes.meshes.find((m) => !m.outline)?.fields.find((f) => f.name === "section");
+    if (sections?.categories?.length > 1) this.field.value = "section/";
+    this.invitation.textContent = "Click on the mesh to see the number of the nearest node and its sets.";
+    this.marks = new Marks(viewer, shapes, this.markList);
+    await this.marks.fill();
   }
 
   /** Box of the shapes that are shown, those of modes and those of at most fifty states. */
@@ -239,6 +265,7 @@ class Stage {
     // A later choice may have been decoded first.
     if (choice !== this.field.value || shapes !== this.shapes) return;
     this.chosen = found;
+    this.viewer.sided = choice === "side";
     this.update();
   }
 
@@ -254,7 +281,12 @@ class Stage {
     const factor = this.modes ? (scale * 0.1 * this.box.size) / (this.box.largest[instant] || 1) : scale;
     // A mode moves by its shape times the cosine of the phase, and by that a quarter of a period later times the sine.
     const quarter = shapes.quarter(instant), [cosine, sine] = this.modes ? [Math.cos(this.phase), Math.sin(this.phase)] : [1, 0];
-    if (chosen) {
+    const names = chosen?.categories;
+    if (names) {
+      // Each category has a place of its own, though colours repeat.
+      viewer.range = [-0.5, names.length - 0.5];
+      viewer.paint((t) => categoryColour(Math.min(names.length - 1, Math.floor(t * names.length))));
+    } else if (chosen) {
       let [low, high] = this.each.value === "one" ? rangeOf([chosen.values[instant]]) : (chosen.range ??= rangeOf(chosen.values));
       if (this.map.value === "diverging") [low, high] = [-Math.max(-low, high), Math.max(-low, high)];
       viewer.range = low <= high ? [low, high] : [0, 0];
@@ -280,6 +312,14 @@ class Stage {
   }
 
   legend() {
+    const names = this.viewer.sided ? ["side of the directors", "other side"] : this.chosen?.categories;
+    this.bar.classList.toggle("names", Boolean(names));
+    if (names) {
+      const colour = (i) => (this.viewer.sided ? SIDES[i].map((c) => 255 * c) : categoryColour(i));
+      const entry = (name, i) => element("span", {}, element("i", { style: `background: rgb(${colour(i).map(Math.round)})` }), name);
+      const more = names.length > 12 ? [element("span", {}, `and ${names.length - 12} more`)] : [];
+      return this.bar.replaceChildren(...names.slice(0, 12).map(entry), ...more);
+    }
     if (!this.chosen) return this.bar.replaceChildren();
     const map = MAPS[this.map.value], [low, high] = this.viewer.range;
     const stops = map.map((_, i) => `rgb(${colourAt(map, i / (map.length - 1))})`).reverse();
@@ -341,6 +381,7 @@ class Stage {
     const move = (by) => this.at(Math.max(0, Math.min(Number(this.slider.max), Number(this.slider.value) + by)));
     const scaled = (by) => { this.scale.value = Number((Number(this.scale.value) * by).toPrecision(6)); this.update(); };
     const actions = { " ": () => this.toggle(), ArrowLeft: () => move(-1), ArrowRight: () => move(1), "+": () => scaled(1.25), "-": () => scaled(0.8), r: () => this.viewer.reset() };
+    if (this.still && e.key !== "r") return;
     if (!actions[e.key] || (e.key === " " && e.target.tagName === "BUTTON")) return;
     e.preventDefault();
     actions[e.key]();
@@ -353,6 +394,10 @@ class Stage {
     const curves = displacement ? ["x", "y", "z"].map((name, c) => ({ name: `displacement ${name}`, ys: displacement.map((u) => u[c][point]) })) : [];
     this.picked = { point, curves };
     this.node.replaceChildren(element("p", {}, `Node ${point} (counted from 0, as in the files) at (${place})`));
+    if (this.still) {
+      this.marks.having(point).then((names) => this.node.append(element("p", {}, names.length ? `It is in ${names.join(", ")}.` : "No support, load or set has it.")));
+      return;
+    }
     if (modes || shapes.instants < 2) {
       this.node.append(element("p"));
       this.tellValues();
@@ -476,7 +521,7 @@ async function start() {
     if (part.history) await histories(holder, part);
     if (part.response) await responses(holder, part);
   }
-  if (!plots.children.length) document.getElementById("curves").remove();
+  if (plots && !plots.children.length) document.getElementById("curves").remove();
   return state;
 }
 

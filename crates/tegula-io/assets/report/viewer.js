@@ -18,7 +18,7 @@ const SURFACE = {
     void main() { place = position; shade = value; gl_Position = camera * vec4(position, 1.0); }`,
   fragment: `#version 300 es
     precision highp float;
-    uniform sampler2D map; uniform vec3 eye; uniform vec3 plain; uniform bool coloured;
+    uniform sampler2D map; uniform vec3 eye; uniform vec3 plain; uniform bool coloured; uniform bool sided; uniform vec3 front; uniform vec3 back;
     in vec3 place; in float shade; out vec4 colour;
     void main() {
       vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
@@ -26,6 +26,7 @@ const SURFACE = {
       float light = 0.55 + 0.45 * abs(dot(normal, view));
       bool missing = isnan(shade) || isinf(shade);
       vec3 base = coloured && !missing ? texture(map, vec2(clamp(shade, 0.0, 1.0), 0.5)).rgb : plain;
+      if (sided) base = gl_FrontFacing ? front : back;
       colour = vec4(base * light, 1.0);
     }`,
 };
@@ -41,6 +42,27 @@ const LINE = {
     precision highp float; uniform vec4 ink; out vec4 colour;
     void main() { colour = ink; }`,
 };
+
+/** Markers of points: square, circle, diamond, triangle, cross, each with a white rim. */
+const MARKER = {
+  vertex: `#version 300 es
+    uniform mat4 camera; uniform float size; in vec3 position;
+    void main() { gl_Position = camera * vec4(position, 1.0); gl_Position.z -= 4e-4 * gl_Position.w; gl_PointSize = size; }`,
+  fragment: `#version 300 es
+    precision highp float; uniform vec4 ink; uniform int symbol; out vec4 colour;
+    void main() {
+      vec2 p = 2.0 * gl_PointCoord - 1.0, a = abs(p);
+      float d = symbol == 0 ? max(a.x, a.y) / 0.85
+        : symbol == 1 ? length(p)
+        : symbol == 2 ? a.x + a.y
+        : symbol == 3 ? max(2.0 * p.y, 1.73 * a.x - p.y)
+        : min(max(3.0 * a.x, a.y), max(a.x, 3.0 * a.y));
+      if (d > 1.0) discard;
+      colour = d > 0.75 ? vec4(1.0, 1.0, 1.0, ink.a) : ink;
+    }`,
+};
+/** Colours of the side of the directors and of the other side. */
+const SIDES = [[0.55, 0.74, 0.9], [0.93, 0.67, 0.42]];
 
 /** Colour of a map at t between 0 and 1, channels 0 to 255. */
 function colourAt(map, t) {
@@ -147,6 +169,9 @@ class Viewer {
     if (!gl) throw new Error("this browser has no WebGL 2");
     this.surface = this.program(SURFACE);
     this.line = this.program(LINE);
+    this.marker = this.program(MARKER);
+    this.marks = [];
+    this.sided = false;
     this.texture = gl.createTexture();
     this.meshes = [];
     this.range = [0, 1];
@@ -177,8 +202,13 @@ class Viewer {
 
   /** Chooses a colour map. */
   map(name) {
+    this.paint((t) => colourAt(MAPS[name], t));
+  }
+
+  /** Colours the places from 0 to 1 of a range. */
+  paint(colour) {
     const gl = this.gl, pixels = new Uint8Array(4 * 256);
-    for (let i = 0; i < 256; i++) pixels.set([...colourAt(MAPS[name], i / 255), 255], 4 * i);
+    for (let i = 0; i < 256; i++) pixels.set([...colour(i / 255), 255], 4 * i);
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
     for (const [key, value] of [[gl.TEXTURE_MIN_FILTER, gl.LINEAR], [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
@@ -250,9 +280,12 @@ class Viewer {
     gl.uniformMatrix4fv(this.surface.at("camera"), false, camera);
     gl.uniform3fv(this.surface.at("eye"), this.eye());
     gl.uniform3fv(this.surface.at("plain"), GREY);
+    gl.uniform3fv(this.surface.at("front"), SIDES[0]);
+    gl.uniform3fv(this.surface.at("back"), SIDES[1]);
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
     for (const drawn of this.meshes) {
       gl.uniform1i(this.surface.at("coloured"), drawn.coloured ? 1 : 0);
+      gl.uniform1i(this.surface.at("sided"), this.sided && !drawn.mesh.outline ? 1 : 0);
       this.bind(0, drawn.buffers.positions, 3);
       this.bind(1, drawn.buffers.values, 1);
       this.elements(gl.TRIANGLES, drawn.buffers.triangles, drawn.sizes.triangles);
@@ -279,8 +312,58 @@ class Viewer {
         this.elements(gl.LINES, drawn.buffers.rim, drawn.mesh.outline ? 0 : rim);
       }
     }
+    if (this.marks.length) this.drawMarks(camera, [w, h], ratio);
     this.frames = (this.frames || 0) + 1;
     this.ondraw();
+  }
+
+  /** A mark on the graphics card: points, ends of lines and corners of triangles, as lists of coordinates. */
+  mark({ colour, symbol, size, points, lines, faces }) {
+    const gl = this.gl, out = { on: true, colour, symbol, size };
+    for (const [name, coordinates] of Object.entries({ points, lines, faces })) {
+      out[name] = { buffer: gl.createBuffer(), count: coordinates.length / 3 };
+      gl.bindBuffer(gl.ARRAY_BUFFER, out[name].buffer);
+      gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(coordinates), gl.STATIC_DRAW);
+    }
+    return out;
+  }
+
+  /** Draws the marks; those behind a surface show faintly through it. */
+  drawMarks(camera, [w, h], ratio) {
+    const { gl } = this, draw = (part, mode) => {
+      if (!part.count) return;
+      this.bind(0, part.buffer, 3);
+      gl.drawArrays(mode, 0, part.count);
+    };
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.useProgram(this.line.program);
+    gl.uniformMatrix4fv(this.line.at("camera"), false, camera);
+    for (const { colour, faces } of this.marks) {
+      gl.uniform4f(this.line.at("ink"), ...colour, 0.6);
+      gl.uniform2f(this.line.at("aside"), 0, 0);
+      draw(faces, gl.TRIANGLES);
+    }
+    for (const [hidden, opacity] of [[true, 0.12], [false, 1]]) {
+      if (hidden) gl.disable(gl.DEPTH_TEST);
+      else gl.enable(gl.DEPTH_TEST);
+      gl.useProgram(this.line.program);
+      for (const { colour, lines } of this.marks)
+        for (const [x, y] of [[0, 0], [0.7, 0], [-0.7, 0], [0, 0.7], [0, -0.7]]) {
+          gl.uniform4f(this.line.at("ink"), ...colour, opacity);
+          gl.uniform2f(this.line.at("aside"), (2 * x * ratio) / w, (2 * y * ratio) / h);
+          draw(lines, gl.LINES);
+        }
+      gl.useProgram(this.marker.program);
+      gl.uniformMatrix4fv(this.marker.at("camera"), false, camera);
+      for (const { colour, symbol, size, points } of this.marks) {
+        gl.uniform4f(this.marker.at("ink"), ...colour, opacity);
+        gl.uniform1i(this.marker.at("symbol"), symbol);
+        gl.uniform1f(this.marker.at("size"), size * ratio);
+        draw(points, gl.POINTS);
+      }
+    }
+    gl.disable(gl.BLEND);
   }
 
   bind(place, buffer, size) {

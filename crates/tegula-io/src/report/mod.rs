@@ -1,4 +1,5 @@
-//! Reports of runs: one HTML file with checks, the shapes in three dimensions, curves, results and the model file.
+//! Reports of runs and of models: one HTML file, of a run with checks, the shapes in three dimensions, curves, results and the model file; of a
+//! model with its mesh, supports, loads and sets.
 //!
 //! The file needs no network and no other file. Numbers of the shapes are rounded to 16 bits of the range of each field, those of
 //! curves and tables are not rounded. The shapes are drawn by WebGL 2 (`assets/report/viewer.js`), the curves by uPlot, which is part of the
@@ -10,6 +11,8 @@
 mod blocks;
 mod checks;
 mod history;
+mod marks;
+mod model;
 mod page;
 mod scene;
 mod tables;
@@ -19,7 +22,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::deck::Deck;
-use crate::job::{self, CriticalResult, Summary};
+use crate::job::{self, CriticalResult, JobError, Summary};
 use crate::out::{OutputError, write_whole};
 use blocks::Blocks;
 use history::Table;
@@ -77,6 +80,19 @@ impl Report {
         let page = page::page(&summary, &parts, &blocks, model_text(&summary).as_deref(), &omissions);
         Ok(Self { page, omissions })
     }
+
+    /// Report of a model that has not been run. Its mesh is left out where the report would be longer than about `most` characters.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the model, at its places in the file.
+    pub fn of_model(deck: &Deck, most: usize) -> Result<Self, JobError> {
+        Ok(model::report(deck, &job::prepare(deck)?, most))
+    }
+
+    /// Writes the report to a file, whole or not at all.
+    fn save(&self, file: &Path) -> Result<(), OutputError> {
+        write_whole(file, |w| self.page.iter().try_for_each(|text| w.write_all(text.as_bytes())))
+    }
 }
 
 /// Writes the report of a result folder to `file`, whole or not at all, and returns what it does not show, in words.
@@ -84,9 +100,19 @@ impl Report {
 /// # Errors
 /// The folder holds no result of this program, one of its files is damaged, or the report cannot be written.
 pub fn write(folder: &Path, file: &Path) -> Result<Vec<String>, OutputError> {
-    let Report { page, omissions } = Report::of(folder, MOST_CHARACTERS)?;
-    write_whole(file, |w| page.iter().try_for_each(|text| w.write_all(text.as_bytes())))?;
-    Ok(omissions)
+    let report = Report::of(folder, MOST_CHARACTERS)?;
+    report.save(file)?;
+    Ok(report.omissions)
+}
+
+/// Writes the report of a model that has not been run to `file`, whole or not at all, and returns what it does not show, in words.
+///
+/// # Errors
+/// The model is wrong, or the report cannot be written.
+pub fn write_model(deck: &Deck, file: &Path) -> Result<Vec<String>, JobError> {
+    let report = Report::of_model(deck, MOST_CHARACTERS)?;
+    report.save(file)?;
+    Ok(report.omissions)
 }
 
 /// Names and folders of the analyses: those of `[[steps]]`, or the only one; behind each path its branches.
@@ -194,8 +220,13 @@ fn omissions(parts: &[Part]) -> Vec<String> {
 fn model_text(summary: &Summary) -> Option<String> {
     let deck = Deck::read(summary.model_path.as_ref()?).ok()?;
     let same = job::fingerprint_of(&deck).is_some_and(|print| format!("{print:016x}") == summary.fingerprint);
-    let most = MOST_OF_MODEL.min(deck.text.len());
-    let end = (0..=most).rev().find(|&i| deck.text.is_char_boundary(i)).unwrap_or(0);
-    let rest = if end < deck.text.len() { "\n# … the rest is not shown" } else { "" };
-    same.then(|| format!("{}{rest}", &deck.text[..end]))
+    same.then(|| shortened(&deck.text))
+}
+
+/// Text of a model file up to the length at which its end is not shown.
+fn shortened(text: &str) -> String {
+    let most = MOST_OF_MODEL.min(text.len());
+    let end = (0..=most).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0);
+    let rest = if end < text.len() { "\n# … the rest is not shown" } else { "" };
+    format!("{}{rest}", &text[..end])
 }

@@ -10,18 +10,21 @@ use crate::plot::colour::{PALETTE, Rgb, VIRIDIS};
 
 const STYLE: [&str; 2] =
     [include_str!("../../assets/report/uPlot.min.css"), include_str!("../../assets/report/page.css")];
-const SCRIPTS: [&str; 4] = [
+const VIEWER: &str = include_str!("../../assets/report/viewer.js");
+const PAGE: &str = include_str!("../../assets/report/page.js");
+const SCRIPTS_OF_RUNS: &[&str] = &[
     include_str!("../../assets/report/uPlot.iife.min.js"),
-    include_str!("../../assets/report/viewer.js"),
+    VIEWER,
     include_str!("../../assets/report/curves.js"),
-    include_str!("../../assets/report/page.js"),
+    PAGE,
 ];
+const SCRIPTS_OF_MODELS: &[&str] = &[VIEWER, include_str!("../../assets/report/marks.js"), PAGE];
 
 /// Data that the scripts of a report read.
 #[derive(Serialize)]
-struct Data<'a> {
+struct Data<'a, P> {
     title: &'a str,
-    parts: &'a [Part],
+    parts: &'a [P],
 }
 
 /// Colours of the pictures, for the scripts.
@@ -41,7 +44,88 @@ fn title(summary: &Summary) -> &str {
     if summary.title.is_empty() { &summary.model } else { &summary.title }
 }
 
-/// The pieces of the file, in their order.
+/// Subject of a page, on which its scripts depend.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shown {
+    /// A run, with curves.
+    Run,
+    /// A model.
+    Model,
+}
+
+/// Text of a page.
+pub(super) struct Document<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// Line below the title, as HTML.
+    pub line: String,
+    /// Sections before the shapes, as HTML.
+    pub before: Vec<String>,
+    /// Subject.
+    pub shown: Shown,
+    /// Sections behind the shapes and curves, as HTML.
+    pub after: Vec<String>,
+    /// Omissions.
+    pub notes: &'a [String],
+}
+
+impl Document<'_> {
+    /// The pieces of the HTML file in their order, with the data that the scripts read.
+    pub fn pieces<P: Serialize>(&self, parts: &[P], blocks: &Blocks) -> Vec<String> {
+        let title = self.title;
+        let mut out = vec![format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline'; \
+             style-src 'unsafe-inline'; img-src data: blob:\">\n\
+             <title>{title}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n{}\n</style>\n</head>\n<body>\n\
+             <header>\n<h1>{title}</h1>\n<p>{}</p>\n</header>\n<main>\n",
+            STYLE.join("\n"),
+            self.line,
+            title = escape(title),
+        )];
+        out.extend(self.before.iter().cloned());
+        let (heading, curves) = match self.shown {
+            Shown::Run => {
+                ("Shapes", "<section id=\"curves\">\n<h2>Curves</h2>\n<div id=\"plots\"></div>\n</section>\n")
+            }
+            Shown::Model => ("Mesh, supports and loads", ""),
+        };
+        out.push(format!(
+            "<section id=\"shapes\">\n<h2>{heading}</h2>\n<div id=\"scene\"></div>\n\
+             <noscript>The shapes and curves need JavaScript.</noscript>\n</section>\n{curves}"
+        ));
+        out.extend(self.after.iter().cloned());
+        let notes: String = self.notes.iter().map(|note| format!("<p>{}</p>\n", escape(note))).collect();
+        out.push(format!("<footer>\n{notes}</footer>\n</main>\n"));
+        out.extend(
+            blocks
+                .texts()
+                .iter()
+                .enumerate()
+                .map(|(i, text)| format!("<script type=\"text/plain\" id=\"block-{i}\">{text}</script>\n")),
+        );
+        let data = serde_json::to_string(&Data { title, parts }).unwrap_or_default();
+        let codes = |colours: &[Rgb]| colours.iter().map(|colour| colour.code()).collect();
+        let colours = Colours { palette: codes(&PALETTE), viridis: codes(&VIRIDIS) };
+        let colours = serde_json::to_string(&colours).unwrap_or_default();
+        for (id, text) in [("data", data), ("colours", colours)] {
+            out.push(format!(
+                "<script type=\"application/json\" id=\"{id}\">{}</script>\n",
+                in_script(&text)
+            ));
+        }
+        let scripts = match self.shown {
+            Shown::Run => SCRIPTS_OF_RUNS,
+            Shown::Model => SCRIPTS_OF_MODELS,
+        };
+        out.extend(scripts.iter().map(|script| format!("<script>\n{script}\n</script>\n")));
+        out.push("</body>\n</html>\n".into());
+        out
+    }
+}
+
+/// The pieces of the report of a run, in their order.
 pub(super) fn page(
     summary: &Summary,
     parts: &[Part],
@@ -49,62 +133,40 @@ pub(super) fn page(
     model: Option<&str>,
     notes: &[String],
 ) -> Vec<String> {
-    let title = title(summary);
-    let data = serde_json::to_string(&Data { title, parts }).unwrap_or_default();
     let status = match summary.status {
         Status::Complete => "complete",
         Status::Running => "running",
         Status::Interrupted => "interrupted",
         Status::Failed => "failed",
     };
-    let mut out = vec![format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline'; \
-         style-src 'unsafe-inline'; img-src data: blob:\">\n\
-         <title>{title}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>\n{}\n</style>\n</head>\n<body>\n\
-         <header>\n<h1>{title}</h1>\n<p><span class=\"status {status}\">{status}</span> {} of <code>{}</code>, \
-         tegula {}</p>\n</header>\n<main>\n",
-        STYLE.join("\n"),
-        escape(&match summary.analysis.as_str() {
-            "steps" => format!("{} analyses", summary.analyses.len()),
-            analysis => format!("{analysis} analysis"),
-        }),
-        escape(&summary.model),
-        escape(&summary.version),
-        title = escape(title),
-    )];
     let all = if summary.analyses.is_empty() { String::new() } else { tables::checks(summary) };
-    out.push(section("checks", "Checks", &all, parts, tables::checks));
-    out.push(
-        "<section id=\"shapes\">\n<h2>Shapes</h2>\n<div id=\"scene\"></div>\n\
-         <noscript>The shapes and curves need JavaScript.</noscript>\n</section>\n\
-         <section id=\"curves\">\n<h2>Curves</h2>\n<div id=\"plots\"></div>\n</section>\n"
-            .into(),
-    );
-    out.push(section("results", "Results", "", parts, tables::results));
-    let notes: String = notes.iter().map(|note| format!("<p>{}</p>\n", escape(note))).collect();
+    let analyses = match summary.analysis.as_str() {
+        "steps" => format!("{} analyses", summary.analyses.len()),
+        analysis => format!("{analysis} analysis"),
+    };
+    let document = Document {
+        title: title(summary),
+        line: format!(
+            "<span class=\"status {status}\">{status}</span> {} of <code>{}</code>, tegula {}",
+            escape(&analyses),
+            escape(&summary.model),
+            escape(&summary.version),
+        ),
+        before: vec![section("checks", "Checks", &all, parts, tables::checks)],
+        shown: Shown::Run,
+        after: vec![section("results", "Results", "", parts, tables::results), model_section(model)],
+        notes,
+    };
+    document.pieces(parts, blocks)
+}
+
+/// Section with the text of the model file.
+pub(super) fn model_section(model: Option<&str>) -> String {
     let text = model
         .map_or("<p>The model file has changed since the run, or the model does not come from a file that is still there.</p>".into(), |text| {
             format!("<pre><code>{}</code></pre>", lines(text))
         });
-    out.push(format!("<section>\n<h2>Model</h2>\n{text}\n</section>\n<footer>\n{notes}</footer>\n</main>\n"));
-    out.extend(
-        blocks
-            .texts()
-            .iter()
-            .enumerate()
-            .map(|(i, text)| format!("<script type=\"text/plain\" id=\"block-{i}\">{text}</script>\n")),
-    );
-    let codes = |colours: &[Rgb]| colours.iter().map(|colour| colour.code()).collect();
-    let colours = Colours { palette: codes(&PALETTE), viridis: codes(&VIRIDIS) };
-    let colours = serde_json::to_string(&colours).unwrap_or_default();
-    for (id, text) in [("data", data), ("colours", colours)] {
-        out.push(format!("<script type=\"application/json\" id=\"{id}\">{}</script>\n", in_script(&text)));
-    }
-    out.extend(SCRIPTS.iter().map(|script| format!("<script>\n{script}\n</script>\n")));
-    out.push("</body>\n</html>\n".into());
-    out
+    format!("<section>\n<h2>Model</h2>\n{text}\n</section>\n")
 }
 
 /// Text of several lines for HTML.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::blocks::{Block, Blocks, Rounded};
+use super::marks::Mark;
 use crate::out::vtu_file::{ArrayHead, Place, VtuFile};
 use crate::out::{OutputError, PvdSeries};
 
@@ -43,6 +44,8 @@ pub(super) enum Kind {
     States,
     /// Shapes of modes, which are animated.
     Modes,
+    /// Reference configuration of a model, with marks.
+    Model,
 }
 
 /// List of field files, and what they show.
@@ -67,9 +70,12 @@ pub(super) struct List<'a> {
 /// Shapes that are shown one after another.
 #[derive(Debug, Serialize)]
 pub(super) struct Scene {
-    name: String,
-    kind: Kind,
-    parameter: String,
+    /// Heading.
+    pub name: String,
+    /// Kind of the instants.
+    pub kind: Kind,
+    /// Meaning of their time values.
+    pub parameter: String,
     /// Time value of each instant.
     pub values: Vec<f64>,
     /// Label of each instant, where it has one.
@@ -80,6 +86,9 @@ pub(super) struct Scene {
     pub meshes: Vec<SceneMesh>,
     /// Fields that had no room.
     pub left_out: Vec<String>,
+    /// Supports, loads, joints and sets that can be shown.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub marks: Vec<Mark>,
 }
 
 /// Mesh with its fields at the instants of its scene.
@@ -90,9 +99,11 @@ pub(super) struct SceneMesh {
     /// Number of points.
     pub points: usize,
     /// Coordinates without displacement, in single precision: of all instants, or of each one where the modes are about different states.
-    references: Vec<Block>,
-    quads: Block,
-    lines: Block,
+    pub references: Vec<Block>,
+    /// Corners of the cells.
+    pub quads: Block,
+    /// Ends of the lines.
+    pub lines: Block,
     /// Displacement along x, y and z.
     pub displacement: Option<[Rounded; 3]>,
     /// Fields by which the mesh can be coloured.
@@ -105,9 +116,12 @@ pub(super) struct SceneField {
     /// Name as in the files.
     pub name: String,
     /// Whether it has values at points, else on cells.
-    at_points: bool,
+    pub at_points: bool,
     /// Its components with their names.
     pub components: Vec<(String, Rounded)>,
+    /// Names of its values 0, 1, 2, …, where they are no quantities but numbers of something.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub categories: Vec<String>,
 }
 
 /// Files of a list, those of each instant that is shown.
@@ -146,8 +160,8 @@ impl Files {
     }
 }
 
-/// Instants that are shown of `count`: at most `most`, evenly spaced, the first and the last among them.
-fn shown(count: usize, most: usize) -> Vec<usize> {
+/// Numbers that are shown of `count`: at most `most`, evenly spaced, the first and the last among them.
+pub(super) fn shown(count: usize, most: usize) -> Vec<usize> {
     let most = most.max(2);
     if count <= most {
         return (0..count).collect();
@@ -183,7 +197,7 @@ pub(super) fn read(
     let most_instants = MOST_INSTANTS.min(list.most_bytes / (6 * points.max(1)));
     let instants = match list.kind {
         Kind::States => shown(available, most_instants),
-        Kind::Modes => (0..available.min(most_instants.max(2))).collect(),
+        Kind::Modes | Kind::Model => (0..available.min(most_instants.max(2))).collect(),
     };
     let values: Vec<f64> = instants.iter().filter_map(|&i| times.get(i).copied()).collect();
     let mut scene = Scene {
@@ -194,6 +208,7 @@ pub(super) fn read(
         available,
         meshes: Vec::new(),
         left_out: Vec::new(),
+        marks: Vec::new(),
         values,
     };
     files.iter_mut().for_each(|(_, files)| files.keep(&scene.values));
@@ -228,7 +243,7 @@ fn mesh(files: &Files, outline: bool, list: List<'_>, blocks: &mut Blocks) -> Re
     let array = first.arrays.iter().find(|a| a.name == "displacement" && a.components == 3);
     let mut references = vec![flat(&first)?];
     let displacements = match (list.kind, list.deformed, array) {
-        (Kind::Modes, ..) => {
+        (Kind::Modes | Kind::Model, ..) => {
             // Modes of critical points are each about a state of their own.
             let all =
                 files.paths.iter().map(|path| flat(&VtuFile::open(path)?)).collect::<Result<Vec<_>, _>>()?;
@@ -297,6 +312,7 @@ fn fields(
             name: array.name.clone(),
             at_points: array.place == Place::Points,
             components,
+            categories: Vec::new(),
         });
     }
     Ok(())

@@ -41,7 +41,7 @@ pub(super) fn critical_labels(summary: &Summary, values: &[f64]) -> Vec<String> 
 }
 
 /// A table with a caption; nothing without rows.
-fn table(caption: &str, head: &[&str], rows: &[Vec<String>]) -> String {
+pub(super) fn table(caption: &str, head: &[&str], rows: &[Vec<String>]) -> String {
     if rows.is_empty() {
         return String::new();
     }
@@ -79,13 +79,16 @@ pub(super) fn checks(summary: &Summary) -> String {
         )
     };
     let rows: String = of(summary).into_iter().map(row).collect();
-    let warnings: String = summary.warnings.iter().map(|w| format!("<li>{}</li>\n", escape(w))).collect();
-    let warnings = if warnings.is_empty() {
-        warnings
-    } else {
-        format!("<h3>Warnings</h3>\n<ul class=\"warnings\">{warnings}</ul>\n")
-    };
-    format!("<table class=\"checks\"><tbody>\n{rows}</tbody></table>\n{warnings}")
+    format!("<table class=\"checks\"><tbody>\n{rows}</tbody></table>\n{}", warnings(&summary.warnings))
+}
+
+/// List of warnings; nothing without any.
+pub(super) fn warnings(found: &[String]) -> String {
+    if found.is_empty() {
+        return String::new();
+    }
+    let items: String = found.iter().map(|w| format!("<li>{}</li>\n", escape(w))).collect();
+    format!("<h3>Warnings</h3>\n<ul class=\"warnings\">{items}</ul>\n")
 }
 
 /// Results at the end of a run.
