@@ -132,11 +132,16 @@ class ModelsInBrowser(InBrowser):
         self.assert_silent()
 
     def test_all_examples_have_pages_without_errors(self) -> None:
+        drawn = 0
         for example in sorted(EXAMPLES.glob("*.toml")):
             with self.subTest(example=example.name):
                 self.opened(tegula.Model.read(example).report(self.folder / f"{example.stem}.html"))
-                self.assertGreater(self.pixels()[0], 500)
+                # Bodies without shapes and without a mesh have no picture.
+                if self.script("done(Boolean(state.stage));"):
+                    drawn += 1
+                    self.assertGreater(self.pixels()[0], 500)
                 self.assert_silent()
+        self.assertGreater(drawn, 25)
 
     def test_phones_and_notebooks_show_models(self) -> None:
         model = tegula.Model(MODEL)
