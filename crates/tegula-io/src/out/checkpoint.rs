@@ -22,7 +22,7 @@ use serde::de::DeserializeOwned;
 use super::file::{OutputError, write_whole};
 
 const MAGIC: &[u8; 8] = b"TEGULACP";
-const VERSION: u32 = 9;
+const VERSION: u32 = 10;
 /// Letters, version and fingerprint.
 const HEADER: usize = 20;
 const CHECKSUM: usize = 4;

@@ -20,6 +20,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::element::Nodal;
+use crate::system::assembly::TangentCoefficients;
 
 /// Factor on the energy tolerance when the last increment came from a lagged tangent, in statics: Newton squares the
 /// remaining error, modified Newton multiplies it by the contraction θ, so the estimate θ²·energy must be this much
@@ -78,6 +79,8 @@ pub struct LaggedTangent {
     pub time: f64,
     /// Length of the step for which the tangent is computed.
     pub dt: f64,
+    /// Coefficients of the tangent, which in schemes of several steps depend on the lengths of earlier ones, too.
+    pub coefficients: Option<TangentCoefficients>,
     /// Displacements at which the tangent is computed.
     pub u: Vec<Nodal>,
     /// Velocities at which the tangent is computed, where the model has strain-rate damping.

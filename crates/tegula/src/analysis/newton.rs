@@ -276,7 +276,7 @@ impl<S: TangentSolver> Newton<S> {
             return;
         }
         let serves = state.tangent.is_reusable(dt, self.price)
-            && (self.factored == FactoredTangent::Lagged || self.take_tangent(system, parts, &state.tangent));
+            && (self.factored == FactoredTangent::Lagged || self.take_tangent(system, &state.tangent));
         if !serves {
             self.renew(system, parts, dt, state);
         }
@@ -293,16 +293,17 @@ impl<S: TangentSolver> Newton<S> {
         }
         tangent.history.clone_from(history);
         (tangent.time, tangent.dt) = (*time, dt);
+        tangent.coefficients = Some(TangentCoefficients { time: *time, ..*parts });
         (tangent.steps, tangent.iterations, tangent.last) = (0, 0, 0);
-        tangent.valid = self.take_tangent(system, parts, tangent);
+        tangent.valid = self.take_tangent(system, tangent);
     }
 
     /// Factors the tangent at a state; false if the factorisation fails.
-    fn take_tangent(&mut self, system: &System, parts: &TangentCoefficients, at: &LaggedTangent) -> bool {
+    fn take_tangent(&mut self, system: &System, at: &LaggedTangent) -> bool {
+        let Some(parts) = at.coefficients else { return false };
         let velocity = (!at.v.is_empty()).then_some(at.v.as_slice());
         let motion = Motion::State { u: &at.u, velocity };
         let k = EvaluationPoint::new(system, motion, at.time, &at.history);
-        let parts = TangentCoefficients { time: at.time, ..*parts };
         self.factored = FactoredTangent::Nothing;
         self.assembly.follow(system, &k);
         self.frames.copy_from(&self.assembly.frames);

@@ -80,11 +80,14 @@ impl Spring {
     /// Vector between the points, or across the axis, for given nodal vectors.
     fn between(&self, value: impl Fn(usize) -> Vec3) -> Vec3 {
         match &self.measure {
-            Measure::Points(weights, constant) => {
-                self.vectors.iter().zip(weights).fold(*constant, |x, (&v, w)| x + value(v as usize) * *w)
-            }
+            Measure::Points(weights, constant) => self.sum(weights, *constant, value),
             Measure::Across(across) => across.value(&across.few(value)),
         }
+    }
+
+    /// Sum of the weighted nodal vectors, which begins with `first`.
+    fn sum(&self, weights: &[f64], first: Vec3, value: impl Fn(usize) -> Vec3) -> Vec3 {
+        self.vectors.iter().zip(weights).fold(first, |x, (&v, w)| x + value(v as usize) * *w)
     }
 
     /// The spring with another force law.
@@ -100,7 +103,8 @@ impl Spring {
     /// Change of the vector between the points, or across the axis, where nodal vectors have these values and changes.
     fn change(&self, value: impl Fn(usize) -> Vec3, change: impl Fn(usize) -> Vec3) -> Vec3 {
         match &self.measure {
-            Measure::Points(_, constant) => self.between(change) - constant,
+            // Small changes must not be rounded to the size of the places.
+            Measure::Points(weights, _) => self.sum(weights, Vec3::zeros(), change),
             Measure::Across(across) => across.change(&across.few(value), &across.few(change)),
         }
     }

@@ -1,6 +1,8 @@
 //! Interface of a group of elements of one type and section: forces, tangent, mass, energy, history variables,
 //! Kelvin–Voigt damping.
 
+use serde::{Deserialize, Serialize};
+
 use super::power_series::PowerSeries;
 use crate::{Mat3, Vec3};
 
@@ -30,7 +32,7 @@ pub enum Motion<'a> {
 }
 
 /// Weights of the parts of a tangent `material · BᵀHB + geometric · Σ 2n A⊗I`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TangentWeights {
     /// Weight of the stress increment, dn/dδ = `stress` · H B; the material part is `force` times as much.
     pub stress: f64,

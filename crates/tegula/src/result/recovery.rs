@@ -14,6 +14,9 @@
 //! middle             σ = n/h,  τ = 1.5 q/h   (parabola over the thickness)
 //! ```
 //!
+//! of the moments m about the middle of the sheet: where it lies at the height z₀ over the reference surface, these are
+//! m + z₀ n of the moments m about the reference surface.
+//!
 //! Elements with three-dimensional stresses have σ_zz, too, which counts in the equivalent stress.
 
 use std::sync::Arc;
@@ -151,9 +154,10 @@ fn surface_stresses(
     centre: &Mat3,
     points: usize,
 ) {
-    let uniform = section.layers.len() == 1 && section.is_linear() && section.isotropic;
-    if uniform && !element.is_solid() {
-        stresses(out, section.thickness, [0.0; 3]);
+    let sheet = section.layers.first().filter(|_| section.layers.len() == 1);
+    let sheet = sheet.filter(|_| section.is_linear() && section.isotropic);
+    if let Some(layer) = sheet.filter(|_| !element.is_solid()) {
+        stresses(out, layer, [0.0; 3]);
         return;
     }
     let at_integration_points = inside.point_stresses();
@@ -175,10 +179,9 @@ fn surface_stresses(
         }
         Some(sum)
     };
-    if uniform {
-        let across = |z: f64| section.layers.first().and_then(|l| mean(l, z)).map_or(f64::NAN, |s| s[3]);
-        let h = section.thickness;
-        stresses(out, h, [-0.5 * h, 0.0, 0.5 * h].map(across));
+    if let Some(layer) = sheet {
+        let across = |z: f64| mean(layer, z).map_or(f64::NAN, |s| s[3]);
+        stresses(out, layer, [layer.bottom, 0.5 * (layer.bottom + layer.top), layer.top].map(across));
         return;
     }
     let plane = |s: &Vector6<f64>| [s[0], s[1], s[2]];
@@ -232,10 +235,11 @@ impl Turn {
     }
 }
 
-/// Stresses from resultants, and from the stress σ_zz at the bottom, in the middle and at the top.
-fn stresses(r: &mut ShellResult, h: f64, [bottom, centre, top]: [f64; 3]) {
+/// Stresses of a homogeneous sheet from resultants, and from the stress σ_zz at its bottom, in its middle and at its top.
+fn stresses(r: &mut ShellResult, sheet: &Layer, [bottom, centre, top]: [f64; 3]) {
+    let (h, height) = (sheet.top - sheet.bottom, 0.5 * (sheet.bottom + sheet.top));
     let middle: [f64; 3] = std::array::from_fn(|i| r.membrane[i] / h);
-    let bending: [f64; 3] = std::array::from_fn(|i| 6.0 * r.bending[i] / (h * h));
+    let bending: [f64; 3] = std::array::from_fn(|i| 6.0 * (r.bending[i] + height * r.membrane[i]) / (h * h));
     r.stress_top = std::array::from_fn(|i| middle[i] - bending[i]);
     r.stress_bottom = std::array::from_fn(|i| middle[i] + bending[i]);
     let shear = r.shear.map(|q| 1.5 * q / h);

@@ -6,6 +6,7 @@ mod stress_stiffness;
 use std::ops::Range;
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::body_curvature::{self, BodyCurvature};
 use super::evaluation_point::{EvaluationPoint, current_vector};
@@ -22,7 +23,7 @@ pub use follower_loads::{add_follower_loads, add_follower_stiffness};
 pub use stress_stiffness::LoadIncrement;
 
 /// Tangent coefficients: weights of the element parts, factor of the mass, and time of the follower loads.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TangentCoefficients {
     /// Weights of the element parts.
     pub weights: TangentWeights,

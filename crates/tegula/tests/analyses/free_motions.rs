@@ -2,8 +2,8 @@
 
 use crate::bushings::bushing;
 use crate::common::Random;
-use crate::modes_with_joints::{modal, modes};
-use crate::multibody::{between, body, spring};
+use crate::modes_with_joints::{modal, modes, omegas, to_ground};
+use crate::multibody::{between, body, revolute, spring};
 use nalgebra::{DMatrix, DVector};
 use tegula::model::*;
 
@@ -212,4 +212,46 @@ fn bodies_on_few_springs_have_the_frequencies_of_their_elongations() {
     }
     // Eight springs leave four motions of twelve.
     assert_eq!(free, 160);
+}
+
+/// Two arms on hinges with springs to the ground have the frequencies of `|K − ω² M| = 0` in the angles of the arms, whatever the units of length,
+/// mass and time: modes of modal mass 1 are minute where the numbers of lengths and masses are large.
+#[test]
+fn frequencies_of_arms_on_springs_do_not_depend_on_units() {
+    // M = [1.7, 0.4; 0.4, 0.26] and K = [69, 10; 10, 5] in kg m² and N m.
+    let (a, b, c) = (1.7 * 0.26 - 0.4 * 0.4, 69.0 * 0.26 + 1.7 * 5.0 - 2.0 * 10.0 * 0.4, 69.0 * 5.0 - 100.0);
+    let root = f64::sqrt(b * b - 4.0 * a * c);
+    let exact = [b - root, b + root].map(|x| (x / (2.0 * a)).sqrt());
+    let units = [
+        [1.0; 3],
+        [1e3, 1e-3, 1.0],
+        [1e6, 1e12, 1e6],
+        [1e6, 1e15, 1e6],
+        [1e9, 1e18, 1.0],
+        [1e6, 1e18, 1e6],
+        [1e-6, 1e-3, 1e3],
+    ];
+    for [length, mass, time] in units {
+        let inertia = |of: [f64; 3]| Some(of.map(|x| x * mass * length * length));
+        let place = |x: f64, y: f64| [x * length, y * length, 0.0];
+        let bodies = vec![
+            body("a", place(0.5, 0.0), 2.0 * mass, inertia([0.1, 0.3, 0.2])),
+            body("b", place(1.4, 0.0), mass, inertia([0.05, 0.1, 0.1])),
+        ];
+        let hinges = vec![
+            revolute("A", "ground", "a", place(0.0, 0.0), [0.0, 0.0, 1.0]),
+            revolute("B", "a", "b", place(1.0, 0.0), [0.0, 0.0, 1.0]),
+        ];
+        let mut model = Model::of_bodies(modal(2, false), bodies, hinges);
+        let stiffness = mass / (time * time);
+        model.springs = vec![
+            to_ground("s", "a", [place(0.7, 1.0), place(0.7, 0.0)], 100.0 * stiffness),
+            to_ground("t", "b", [place(1.5, 2.0), place(1.5, 0.0)], 20.0 * stiffness),
+        ];
+        let found = omegas(&model);
+        for (found, exact) in found.iter().zip(exact) {
+            let error = (found * time / exact - 1.0).abs();
+            assert!(error < 1e-12, "units {length} {mass} {time}: {found} for {exact}");
+        }
+    }
 }

@@ -82,6 +82,29 @@ fn a_run_resumed_with_an_old_tangent_is_the_run_itself() {
     }
 }
 
+/// The coefficients of BDF2 depend on the ratio of two steps: a tangent of a step that was longer than the one before serves later ones of its
+/// length with the coefficients of its own.
+#[test]
+fn a_run_of_automatic_steps_of_two_step_formulas_resumes_as_itself_from_each_step() {
+    let scheme = Scheme::Bdf2(Bdf2Scheme {});
+    let options = TransientAnalysis { scheme, tolerance: 1e-6, ..TransientAnalysis::new(0.1) };
+    let mut notes = Notes::keeping();
+    let (system, straight) = move_in_time(&pendulum(16), &options, &mut notes);
+    // The next step has the length for which the tangent was computed.
+    let others = |s: &&tegula::analysis::State| s.tangent.valid && s.tangent.dt == s.next_step;
+    let starts: Vec<_> = notes.states.iter().filter(others).cloned().collect();
+    assert!(starts.len() > 3, "{}", starts.len());
+    for start in starts {
+        let (middle, mut rest) = (start.step as usize, Notes::keeping());
+        let continued = dynamics::run(&system, &options, Some(start), &mut rest).unwrap();
+        assert_eq!(rest.iterations, notes.iterations[middle + 1..], "from step {middle}");
+        assert!(
+            straight.state == continued.state && straight.balance == continued.balance,
+            "from step {middle}"
+        );
+    }
+}
+
 /// A free shell, deformed a little, and the same turned by a finite rotation and shifted.
 fn turned_shell(angle: f64) -> (System, nalgebra::Rotation3<f64>, [Vec<Nodal>; 2]) {
     let mut m = quarter_cylinder(3, 2.1e7);

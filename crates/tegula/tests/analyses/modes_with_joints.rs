@@ -61,7 +61,7 @@ fn two_bodies_on_slides_drift_and_vibrate_against_their_spring() {
     assert!(found[0] == 0.0 && (found[1] / 500f64.sqrt() - 1.0).abs() < 1e-10, "{found:?}");
 }
 
-fn to_ground(name: &str, body: &str, points: [[f64; 3]; 2], stiffness: f64) -> SpringDamper {
+pub fn to_ground(name: &str, body: &str, points: [[f64; 3]; 2], stiffness: f64) -> SpringDamper {
     let between = between("ground", body);
     SpringDamper {
         across: None,

@@ -341,3 +341,30 @@ fn shear_correction_factors_have_the_axes_of_the_layup() {
         }
     }
 }
+
+/// A sheet that lies on its reference surface, pulled in it without bending moment, bends about its middle: σ = N/h (1 ± 3) at its faces.
+#[test]
+fn stresses_of_a_sheet_beside_its_reference_surface_are_those_of_its_faces() {
+    let (h, force) = (0.1, 1e-6);
+    let sheet = Material::Isotropic(Isotropic::new(1e3, 0.0, 1.0));
+    for element in [ElementKind::Ems, ElementKind::Mitc4] {
+        for side in [-1.0, 1.0] {
+            let mut m = pulled(element, "[0]", [1.0, 0.0, 0.0]);
+            m.mesh = plate([1.0, 1.0], [4, 4], 0.0);
+            m.materials.insert("carbon".into(), sheet.clone());
+            let layup = m.sections[0].layup.as_mut().unwrap();
+            (layup.ply_thickness, layup.offset) = (Some(h), 0.5 * side * h);
+            m.conditions = vec![Condition::Clamp(common::on("u_min"))];
+            m.loads = vec![Load::Edge(vector_load("u_max", [force, 0.0, 0.0]))];
+            let (_, system, outcome) = common::solve(&m);
+            let expected = |far: bool| force / h * if far { -2.0 } else { 4.0 };
+            for r in recover(&system, &outcome.state) {
+                for (found, far) in [(r.stress_top[0], side > 0.0), (r.stress_bottom[0], side < 0.0)] {
+                    let error = (found - expected(far)).abs() / (force / h);
+                    assert!(error < 1e-6, "{element:?} {side}: {found} for {}", expected(far));
+                }
+                assert!((r.von_mises / expected(false) - 1.0).abs() < 1e-6, "{element:?}: {}", r.von_mises);
+            }
+        }
+    }
+}

@@ -138,8 +138,15 @@ impl Search {
         }
     }
 
-    /// Wanted pairs with their λ by the shift.
-    pub fn finish(self) -> impl Iterator<Item = (f64, RitzPair)> {
-        self.lambdas.into_iter().zip(self.pairs).take(self.wanted)
+    /// Wanted pairs with their λ by the shift, and its distance from the nearest other λ that was found.
+    pub fn finish(self) -> impl Iterator<Item = ([f64; 2], RitzPair)> {
+        let distance = |i: usize| {
+            let neighbours = [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
+            let others = neighbours.filter_map(|j| self.lambdas.get(j));
+            others.map(|other| (other - self.lambdas[i]).abs()).fold(f64::INFINITY, f64::min)
+        };
+        let distances: Vec<f64> = (0..self.lambdas.len()).map(distance).collect();
+        let values = self.lambdas.into_iter().zip(distances).map(|(lambda, distance)| [lambda, distance]);
+        values.zip(self.pairs).take(self.wanted)
     }
 }
