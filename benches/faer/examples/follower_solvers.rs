@@ -59,7 +59,12 @@ fn main() {
     faer::set_global_parallelism(faer::Par::Seq);
     for elements in [[40, 2], [80, 8], [160, 16], [320, 32]] {
         let mut m = model(plate([10.0, 1.0], elements, 0.0), 1.2e6, 0.1);
-        m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: PRESSURE, amplitude: None })];
+        m.loads = vec![Load::Pressure(PressureLoad {
+            on: "all".into(),
+            value: PRESSURE,
+            amplitude: None,
+            distribution: None,
+        })];
         let options = StaticAnalysis { load_steps: 20, ..Default::default() };
         m.analysis = Analysis::Static(options.clone());
         let (_, system) = compile(&m);

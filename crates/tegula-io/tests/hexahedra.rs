@@ -39,6 +39,7 @@ fn model(element: ElementKind, thickness: f64, fixed: &str, tip: &str) -> (Model
         on: tip.into(),
         value: [0.0, -1.0, 0.5].map(|x| x * 200.0),
         amplitude: None,
+        distribution: None,
     })];
     (model, options)
 }

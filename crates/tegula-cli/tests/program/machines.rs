@@ -76,6 +76,21 @@ fn a_torque_turns_the_end_of_the_tube_as_a_thin_closed_section() {
     assert!(last("balance.moment") < 1e-9);
 }
 
+/// Moment and shear force at the bottom of the tank after Timoshenko and Woinowsky-Krieger, over the chord of the sector.
+#[test]
+fn the_wall_of_the_water_tank_has_the_clamping_moment_of_the_book() {
+    let s = result_of("water_tank.toml");
+    let support = |name: &str, axis: usize| s["supports"]["bottom"][name][axis].as_f64().unwrap();
+    let chord = 2.0 * 9.144 * 5.0_f64.to_radians().sin();
+    // Pound-force in newtons; inches in metres.
+    let (pound, inch) = (4.448_222, 0.0254);
+    let (moment, force) = (13_960.0 * pound, 563.6 * pound / inch);
+    // The support holds the foot of the wall inwards and bends it inwards about −y.
+    let [found_moment, found_force] = [-support("moment", 1) / chord, -support("force", 0) / chord];
+    assert!((found_moment / moment - 1.0).abs() < 2e-3, "{found_moment} for {moment}");
+    assert!((found_force / force - 1.0).abs() < 2e-3, "{found_force} for {force}");
+}
+
 /// The energy of the nut is `½ (m + I (2π/p)²) ż²`; without friction the moment of the thread is −F p/2π.
 #[test]
 fn the_nut_falls_along_the_lead_screw_with_its_inertia_of_rotation() {

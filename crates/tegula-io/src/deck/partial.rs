@@ -8,7 +8,7 @@ use std::path::Path;
 
 use serde::Deserialize as _;
 use serde_json::Value as Json;
-use tegula::compile::check;
+use tegula::compile::{check, define_sets};
 use tegula::mesh::generators::generate;
 use tegula::{Error, Issue, Mesh, Model};
 use toml::de::DeTable;
@@ -54,7 +54,14 @@ pub(super) fn issues(
     match memory::too_large(&model, memory::limit()) {
         Some(issue) => issues.push(issue),
         None => match mesh_of(path, &model) {
-            Ok(mesh) => issues.extend(sets(&model, &mesh, &keys)),
+            Ok(mut mesh) => {
+                let of_sets = define_sets(&model.sets, &mut mesh);
+                // Sets that cannot be made are missing elsewhere, too.
+                if of_sets.is_empty() && !keys.iter().any(|key| key.starts_with("sets")) {
+                    issues.extend(sets(&model, &mesh, &keys));
+                }
+                issues.extend(of_sets);
+            }
             Err(list) => issues.extend(list),
         },
     }

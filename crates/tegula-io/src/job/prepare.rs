@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use tegula::analysis::{Observer, Step};
 use tegula::compile::{
-    Compiler, StepModel, check, imperfect_mesh, soft_folds, warnings, warnings_before_start,
+    Compiler, StepModel, check, define_sets, imperfect_mesh, soft_folds, warnings, warnings_before_start,
 };
 use tegula::mesh::generators;
 use tegula::model::{
@@ -188,8 +188,14 @@ fn is_mean(model: &Model, system: &System, column: &str) -> bool {
     scheme.order == 2 && (of_step || model.sensors.iter().any(of_sensor))
 }
 
-/// The mesh, and the fingerprint of the files that the model is made of.
+/// The mesh with the sets of the model, and the fingerprint of the files that the model is made of.
 fn mesh(deck: &Deck) -> Result<(Mesh, u64), Vec<Issue>> {
+    let (mut mesh, fingerprint) = source_mesh(deck)?;
+    let issues = define_sets(&deck.model.sets, &mut mesh);
+    if issues.is_empty() { Ok((mesh, fingerprint)) } else { Err(issues) }
+}
+
+fn source_mesh(deck: &Deck) -> Result<(Mesh, u64), Vec<Issue>> {
     let text = fingerprint(&deck.text);
     let file = deck
         .model

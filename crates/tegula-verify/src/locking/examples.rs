@@ -136,7 +136,8 @@ fn deflection(
     let mut model = Model::new(source, analysis, Isotropic::new(2.1e11, nu, 1.0), h);
     model.sections.iter_mut().for_each(change);
     model.conditions = vec![Condition::Clamp(OnSet { on: "u_min".into() })];
-    model.loads = vec![Load::Edge(VectorLoad { on: "u_max".into(), value: load, amplitude: None })];
+    model.loads =
+        vec![Load::Edge(VectorLoad { on: "u_max".into(), value: load, amplitude: None, distribution: None })];
     let mesh = generate(&model.mesh)?;
     let system = build(&model, &mesh)?;
     let outcome = statics::run(&system, &options, None, &mut Silent)?;

@@ -243,6 +243,7 @@ pub(super) fn setup(problem: &str, mesh: &str) -> Result<(Model, [Watched; 2])> 
                 on: "u_max".into(),
                 value: [0.0, -moment, 0.0],
                 amplitude: None,
+                distribution: None,
             })];
             [("u_max_v_min", 0, -1.0), ("u_max_v_min", 2, 1.0)]
         }

@@ -104,7 +104,8 @@ fn values(layup: &str, plies: usize, element: &str, n: u32) -> Result<[f64; 3]> 
     let compiled = with_sine(&mut sinusoidal, n)?;
     let first = deflection(&compiled, &sinusoidal)?;
     let mut uniform = model.clone();
-    let traction = VectorLoad { on: "all".into(), value: [0.0, 0.0, 1.0], amplitude: None };
+    let traction =
+        VectorLoad { on: "all".into(), value: [0.0, 0.0, 1.0], amplitude: None, distribution: None };
     uniform.loads = vec![Load::Traction(traction)];
     let second = deflection(&Compiled::new(&uniform)?, &uniform)?;
     model.analysis = Analysis::Modal(ModalAnalysis::new(1));
@@ -129,7 +130,7 @@ fn with_sine(model: &mut Model, n: u32) -> Result<Compiled> {
         let name = format!("node-{node}");
         mesh.node_sets.insert(name.clone(), vec![node]);
         let value = [0.0, 0.0, along(x.x) * along(x.y)];
-        model.loads.push(Load::Force(VectorLoad { on: name, value, amplitude: None }));
+        model.loads.push(Load::Force(VectorLoad { on: name, value, amplitude: None, distribution: None }));
     }
     let system = build(model, &mesh)?;
     Ok(Compiled { mesh, system })

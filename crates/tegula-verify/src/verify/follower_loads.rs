@@ -86,8 +86,12 @@ fn roll_up(report: &mut Report) -> Result<()> {
     let young = material(&model)?.young;
     let moment = young * thickness.powi(3) / 12.0 * TURNS * std::f64::consts::TAU / 10.0;
     model.analysis = Analysis::Static(StaticAnalysis { load_steps: 80, ..StaticAnalysis::default() });
-    model.loads =
-        vec![Load::EdgeMoment(VectorLoad { on: "u_max".into(), value: [0.0, moment, 0.0], amplitude: None })];
+    model.loads = vec![Load::EdgeMoment(VectorLoad {
+        on: "u_max".into(),
+        value: [0.0, moment, 0.0],
+        amplitude: None,
+        distribution: None,
+    })];
     let compiled = Compiled::new(&model)?;
     let corner = compiled.point("u_max_v_max")?;
     let mut iterations = Iterations::default();

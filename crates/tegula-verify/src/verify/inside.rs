@@ -116,7 +116,12 @@ fn balloon_pressures(element: ElementKind, n: u32, stretches: &[f64]) -> Result<
         }));
     }
     let held: Vec<u32> = HELD.iter().filter_map(|(name, _)| mesh.nodes_on(name)?.first().copied()).collect();
-    model.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 0.0, amplitude: None })];
+    model.loads = vec![Load::Pressure(PressureLoad {
+        on: "all".into(),
+        value: 0.0,
+        amplitude: None,
+        distribution: None,
+    })];
     let mut start: Option<(f64, State)> = None;
     // Beyond the limit only a narrow band of pressures keeps the points between those that are held in place.
     let mut found_to_exact = 1.0;

@@ -314,7 +314,7 @@ fn displacement(beam: &Beam, tip: Tip, element: &str, parts: u32) -> Result<f64>
         match tip {
             Tip::Force(direction) => {
                 let value = direction.map(|x| x * share(j));
-                model.loads.push(Load::Force(VectorLoad { on, value, amplitude: None }));
+                model.loads.push(Load::Force(VectorLoad { on, value, amplitude: None, distribution: None }));
             }
             Tip::Twist => {
                 let (of, component, value) = (NodalVector::Position, Axis::Z, mesh.positions[tip_node(j)].y);

@@ -98,7 +98,12 @@ fn deflection(support: &str, ratio: u32, load: &str, element: &str, elements: [u
             Condition::Fix(FixComponents { on, position: vec![Axis::Z], director: vec![along] })
         });
     }
-    let vector = |on: &str, z: f64| VectorLoad { on: on.into(), value: [0.0, 0.0, z], amplitude: None };
+    let vector = |on: &str, z: f64| VectorLoad {
+        on: on.into(),
+        value: [0.0, 0.0, z],
+        amplitude: None,
+        distribution: None,
+    };
     model.loads.push(match load {
         "pressure" => Load::Traction(vector("all", PRESSURE)),
         _ => Load::Force(vector("u_min_v_min", 0.25 * FORCE)),

@@ -183,6 +183,7 @@ fn cook(part: Membrane, n: u32) -> Result<f64> {
             on: format!("tip-{j}"),
             value: [0.0, share, 0.0],
             amplitude: None,
+            distribution: None,
         }));
     }
     Ok(at_middle(&model, &options, &mesh)?.y)
@@ -198,7 +199,8 @@ fn hypar(part: Membrane, n: u32) -> Result<f64> {
     };
     let mesh = mapped([n, n], map);
     let (mut model, options) = clamped(Isotropic::new(2e11, 0.3, 1.0), 1e-3, part);
-    let weight = VectorLoad { on: "all".into(), value: [0.0, 0.0, -8.0], amplitude: None };
+    let weight =
+        VectorLoad { on: "all".into(), value: [0.0, 0.0, -8.0], amplitude: None, distribution: None };
     model.loads = vec![Load::Traction(weight)];
     Ok(at_middle(&model, &options, &mesh)?.z / -6.3941e-3)
 }
@@ -235,8 +237,12 @@ fn strip(part: Membrane, n: u32) -> Result<f64> {
     model.sections[0].membrane = Some(part);
     model.conditions = vec![Condition::Clamp(OnSet { on: "u_min".into() })];
     let force = strain * young * h * h / 6.0;
-    model.loads =
-        vec![Load::Edge(VectorLoad { on: "u_max".into(), value: [0.0, 0.0, force], amplitude: None })];
+    model.loads = vec![Load::Edge(VectorLoad {
+        on: "u_max".into(),
+        value: [0.0, 0.0, force],
+        amplitude: None,
+        distribution: None,
+    })];
     Ok(strain * stable_up_to(&model, &options, &tegula::mesh::generators::generate(&source)?)?)
 }
 
@@ -349,7 +355,8 @@ fn balloon(part: Option<Membrane>) -> Result<[f64; 2]> {
     let (pressure, limit) = sphere(&SOFT);
     // Positive pressure pushes against the directors, which point outwards here.
     let value = -1.1 * pressure(limit) * H;
-    model.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value, amplitude: None })];
+    model.loads =
+        vec![Load::Pressure(PressureLoad { on: "all".into(), value, amplitude: None, distribution: None })];
     let system = build(&model, &mesh)?;
     let mut radius =
         Radius { mesh: &mesh, position_of: &system.coordinates.position_of, reached: [0.0, 1.0] };

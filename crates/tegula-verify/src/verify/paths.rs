@@ -287,7 +287,12 @@ fn balloon(report: &mut Report) -> Result<()> {
             model.conditions.push(Condition::Symmetry(SymmetryPlane { on: on.into(), normal }));
         }
         // Positive pressure pushes against the directors, which point outwards here.
-        model.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: -H, amplitude: None })];
+        model.loads = vec![Load::Pressure(PressureLoad {
+            on: "all".into(),
+            value: -H,
+            amplitude: None,
+            distribution: None,
+        })];
         let system = build(&model, &mesh)?;
         let mut curve = Stretch { mesh: &mesh, system: &system, points: Vec::new() };
         let outcome = run_path(&system, &options, &mut curve)?;

@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 
 use super::{StepModel, Vectors};
 use crate::element::Nodal;
-use crate::element::geometry::{ShellGeometry, nodal_areas, shell_mass, tangents};
-use crate::load::{FollowerLoad, LoadFactor, OwnLoad};
+use crate::element::geometry::{
+    GAUSS, PARTS, ShellGeometry, centres_of_parts, nodal_areas, shell_mass, tangents, weighted_nodal_areas,
+};
+use crate::load::{FollowerLoad, LoadFactor, OwnLoad, PlaceFormula};
 use crate::mesh::Mesh;
 use crate::model::loads::{Action, LoadedMesh};
 use crate::model::supports::{Constraints, Direction, SupportedNode};
-use crate::model::{AddedMass, Condition, InitialVelocity, Model};
+use crate::model::{AddedMass, Condition, InitialVelocity, Load, Model};
 use crate::section::SectionInertia;
 use crate::system::coordinates::Body;
 use crate::system::dof_map::DofMap;
@@ -116,9 +118,9 @@ pub(super) fn follower_loads(
     (vectors, dofs): (&Vectors, &DofMap),
     amplitudes: &BTreeMap<String, usize>,
 ) -> (Vec<FollowerLoad>, Vec<usize>) {
-    let loaded = Loaded { mesh, coordinates: &vectors.coordinates };
     let (mut out, mut load_of) = (Vec::new(), Vec::new());
     for (number, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
+        let loaded = Loaded::new(load, mesh, &vectors.coordinates);
         let amplitude = load.amplitude().as_ref().and_then(|a| amplitudes.get(a).copied());
         let factor = continued.factor(amplitude);
         for action in load.actions(&loaded) {
@@ -142,7 +144,7 @@ pub(super) fn follower_loads(
                     });
                 }
                 Action::EdgeMoment { set, moment } => {
-                    out.extend(edge_moments(&set, moment, factor, mesh, vectors));
+                    out.extend(edge_moments((&set, moment), factor, &loaded, vectors));
                 }
                 Action::Pressure { quad, pressure } => {
                     let vectors = quad.map(|n| vectors.coordinates.position_of[n as usize]);
@@ -157,21 +159,20 @@ pub(super) fn follower_loads(
     (out, load_of)
 }
 
-/// Moments at both ends of each edge, with half of its length.
+/// Moments at both ends of each edge, with the length that they stand for.
 fn edge_moments(
-    set: &str,
-    moment: Vec3,
+    (set, moment): (&str, Vec3),
     factor: LoadFactor,
-    mesh: &Mesh,
+    loaded: &Loaded,
     vectors: &Vectors,
 ) -> Vec<FollowerLoad> {
     let directors = vectors.by_node(VectorKind::Director);
     let at = |v: u32| Vec3::from(vectors.coordinates.reference[v as usize]);
     let mut out = Vec::new();
-    for [a, b] in mesh.edges_on(set).unwrap_or_default() {
+    for [a, b] in loaded.mesh.edges_on(set).unwrap_or_default() {
         let [first, second] = [a, b].map(|n| vectors.coordinates.position_of[n as usize]);
         let edge = at(second) - at(first);
-        for node in [a, b] {
+        for (node, length) in [a, b].into_iter().zip(loaded.shares([a, b])) {
             // The first director of the node, unless at a fold another one stands more across the edge.
             let across = |v: &u32| at(*v).cross(&edge).norm() / (at(*v).norm() * edge.norm());
             let list = directors.get(&node).map_or(&[][..], Vec::as_slice);
@@ -179,7 +180,7 @@ fn edge_moments(
             if let Some(&director) = list.iter().find(|v| across(v) >= 0.9 * best) {
                 out.push(FollowerLoad::EdgeMoment {
                     vectors: [first, second, director],
-                    moment: moment * (0.5 * edge.norm()),
+                    moment: moment * length,
                     factor,
                 });
             }
@@ -230,9 +231,9 @@ pub(super) fn dead_loads(
     amplitudes: &BTreeMap<String, usize>,
 ) -> (Vec<DeadLoad>, Vec<usize>) {
     let n = system.vectors();
-    let loaded = Loaded { mesh, coordinates: &system.coordinates };
     let (mut out, mut load_of) = (Vec::new(), Vec::new());
     for (number, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
+        let loaded = Loaded::new(load, mesh, &system.coordinates);
         let mut force = vec![[0.0; 3]; n];
         let (mut acts, mut gravity) = (false, false);
         for action in load.actions(&loaded) {
@@ -378,9 +379,39 @@ pub(super) fn initial_velocity(
 pub(super) struct Loaded<'a> {
     pub mesh: &'a Mesh,
     pub coordinates: &'a Coordinates,
+    /// Factor on the value of the load; `None` where it is 1.
+    distribution: Option<PlaceFormula>,
 }
 
-impl Loaded<'_> {
+impl<'a> Loaded<'a> {
+    /// The mesh as a load sees it, whose distribution was checked.
+    pub fn new(load: &Load, mesh: &'a Mesh, coordinates: &'a Coordinates) -> Self {
+        let distribution = load.distribution().and_then(|text| PlaceFormula::read(text).ok());
+        Self { mesh, coordinates, distribution }
+    }
+
+    fn factor_at(&self, place: &Vec3) -> f64 {
+        self.distribution.as_ref().map_or(1.0, |formula| formula.value(place))
+    }
+
+    /// Integrals of both shape functions over an edge, times the factor, by the Gauss rule with two points in each of some parts.
+    fn shares(&self, edge: [u32; 2]) -> [f64; 2] {
+        let [a, b] = edge.map(|n| self.mesh.positions[n as usize]);
+        let half = 0.5 * (a - b).norm();
+        if self.distribution.is_none() {
+            return [half; 2];
+        }
+        let mut out = [0.0; 2];
+        let part = 1.0 / f64::from(PARTS);
+        let places = centres_of_parts().flat_map(|centre| [-GAUSS, GAUSS].map(|x| centre + part * x));
+        for xi in places {
+            let shape = [0.5 * (1.0 - xi), 0.5 * (1.0 + xi)];
+            let weight = half * part * self.factor_at(&(a * shape[0] + b * shape[1]));
+            (0..2).for_each(|i| out[i] += weight * shape[i]);
+        }
+        out
+    }
+
     /// Body that a number behind those of the nodes stands for.
     fn body(&self, node: u32) -> Option<&Body> {
         self.coordinates.bodies.get((node as usize).checked_sub(self.mesh.positions.len())?)
@@ -401,12 +432,26 @@ impl LoadedMesh for Loaded<'_> {
         quads.into_iter().map(|q| self.mesh.quads[q as usize]).collect()
     }
 
+    fn factor(&self, node: u32) -> f64 {
+        self.mesh.positions.get(node as usize).map_or(1.0, |place| self.factor_at(place))
+    }
+
+    fn mean_factor(&self, quad: &[u32; 4]) -> f64 {
+        if self.distribution.is_none() {
+            return 1.0;
+        }
+        let places = quad.map(|n| self.mesh.positions[n as usize]);
+        let [weighted, area] = [weighted_nodal_areas(&places, |x| self.factor_at(x)), nodal_areas(&places)]
+            .map(|parts| parts.iter().sum::<f64>());
+        weighted / area
+    }
+
     fn lengths(&self, set: &str) -> BTreeMap<u32, f64> {
         let mut out = BTreeMap::new();
         for [a, b] in self.mesh.edges_on(set).unwrap_or_default() {
-            let half = 0.5 * (self.mesh.positions[a as usize] - self.mesh.positions[b as usize]).norm();
-            *out.entry(a).or_default() += half;
-            *out.entry(b).or_default() += half;
+            for (node, length) in [a, b].into_iter().zip(self.shares([a, b])) {
+                *out.entry(node).or_default() += length;
+            }
         }
         out
     }
@@ -414,7 +459,11 @@ impl LoadedMesh for Loaded<'_> {
     fn areas(&self, set: &str) -> BTreeMap<u32, f64> {
         let mut out = BTreeMap::new();
         for nodes in self.quads(set) {
-            let areas = nodal_areas(&nodes.map(|n| self.mesh.positions[n as usize]));
+            let places = nodes.map(|n| self.mesh.positions[n as usize]);
+            let areas = match &self.distribution {
+                None => nodal_areas(&places),
+                Some(_) => weighted_nodal_areas(&places, |x| self.factor_at(x)),
+            };
             for (node, area) in nodes.into_iter().zip(areas) {
                 *out.entry(node).or_default() += area;
             }

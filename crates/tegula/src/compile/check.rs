@@ -5,9 +5,12 @@ use std::collections::BTreeMap;
 pub use super::check_material::issues as material;
 use super::{amplitudes, check_material, steps};
 use crate::checker::Checker;
+use crate::load::PlaceFormula;
 use crate::mesh::Mesh;
 use crate::model::loads::LoadedPart;
-use crate::model::{AddedMass, Analysis, InitialVelocity, Joint, LinearSolver, Load, Model, StopCondition};
+use crate::model::{
+    AddedMass, Analysis, InitialVelocity, Joint, LinearSolver, Load, MeshSet, Model, StopCondition,
+};
 use crate::system::System;
 use crate::{Issue, Vec3};
 
@@ -75,6 +78,9 @@ fn keys_of(model: &Model, joints: &[Joint], continues: bool) -> Vec<Issue> {
     for (i, load) in model.loads.iter().enumerate() {
         let key = format!("loads[{i}]");
         c.finite(&format!("{key}.value"), "the load", load.values());
+        if let Some(Err((problem, help))) = load.distribution().map(|text| PlaceFormula::read(text)) {
+            c.add(format!("{key}.distribution"), problem, help);
+        }
         c.amplitude(model, &key, load.amplitude());
     }
     for (i, m) in model.masses.iter().enumerate() {
@@ -158,6 +164,14 @@ pub fn sets(model: &Model, mesh: &Mesh) -> Vec<Issue> {
 
 fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
     let mut c = Checker::default();
+    let undefined = |set: &&MeshSet| mesh.nodes_on(set.name()).is_none();
+    if let Some(set) = model.sets.iter().find(undefined) {
+        c.add(
+            "sets",
+            format!("the mesh lacks the set \"{}\" of the model", set.name()),
+            "add the sets of the model to the mesh with `compile::define_sets` before it is used",
+        );
+    }
     let mut section_of: BTreeMap<u32, usize> = BTreeMap::new();
     for (i, s) in model.sections.iter().enumerate() {
         let key = format!("sections[{i}].on");
@@ -223,6 +237,7 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             LoadedPart::Quads => drop(c.set(mesh, key, load.on(), "quads", Mesh::quads_on)),
             LoadedPart::Model => {}
         }
+        c.distribution(model, mesh, (&format!("loads[{i}].distribution"), load));
     }
     for (i, p) in model.prescribed_strains.iter().enumerate() {
         drop(c.set(mesh, format!("prescribed_strains[{i}].on"), p.on(), "quads", Mesh::quads_on));
@@ -368,6 +383,26 @@ impl Checker {
         }
     }
 
+    /// Reports a distribution of a load on a body, and one that has no value in a node.
+    fn distribution(&mut self, model: &Model, mesh: &Mesh, (key, load): (&str, &Load)) {
+        let Some(formula) = load.distribution().and_then(|text| PlaceFormula::read(text).ok()) else {
+            return;
+        };
+        if model.bodies.iter().any(|body| body.name == load.on()) {
+            return self.add(key, "a load on a body acts in one point", "leave the distribution out");
+        }
+        let nodes = mesh.nodes_on(load.on()).unwrap_or_default();
+        let undefined = nodes.iter().find(|&&n| !formula.value(&mesh.positions[n as usize]).is_finite());
+        if let Some(&node) = undefined {
+            let place = crate::mesh::show(mesh.positions[node as usize]);
+            self.add(
+                key,
+                format!("the distribution has no value at node {}, at {place}", mesh.node_label(node)),
+                "look for a division by 0, a root or logarithm of a negative number, and numbers above 1e308",
+            );
+        }
+    }
+
     /// Members of a set; an issue if it does not exist or is empty.
     pub(super) fn set<T>(
         &mut self,
@@ -388,7 +423,7 @@ impl Checker {
                 Vec::new()
             }
             None => {
-                let help = match mesh.closest_name(name) {
+                let help = match mesh.closest_name(name).filter(|close| close != name) {
                     Some(close) => {
                         format!("did you mean \"{close}\"? The mesh has: {}", mesh.set_names().join(", "))
                     }

@@ -23,6 +23,7 @@ mod guided_axes;
 mod imperfections;
 mod inner_point;
 mod mechanism;
+mod mesh_sets;
 mod outline;
 mod patches;
 mod pattern;
@@ -67,6 +68,7 @@ use actions::{
 use assembly::Assembled;
 pub use imperfections::imperfect_mesh;
 use inner_point::Corners;
+pub use mesh_sets::define_sets;
 use pattern::ReducedLoads;
 use place::Place;
 use procedure::procedure;

@@ -23,11 +23,10 @@ pub(super) fn centrifugal_loads(
     coordinates: &Coordinates,
     amplitudes: &BTreeMap<String, usize>,
 ) -> (Vec<CentrifugalLoad>, Vec<usize>) {
-    let loaded = Loaded { mesh, coordinates };
     let (mut out, mut load_of) = (Vec::new(), Vec::new());
     for (number, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
         let amplitude = load.amplitude().as_ref().and_then(|a| amplitudes.get(a).copied());
-        for action in load.actions(&loaded) {
+        for action in load.actions(&Loaded::new(load, mesh, coordinates)) {
             if let Action::Centrifugal { axis, at, velocity, with_ground } = action {
                 let factor = continued.factor(amplitude);
                 out.push(CentrifugalLoad { axis, at, velocity, with_ground, factor });
@@ -84,12 +83,11 @@ pub(super) fn centrifugal(step: &StepModel) -> Vec<Issue> {
 
 /// Loads whose direction is constant in space, in a model that turns about an axis across it.
 pub(super) fn loads_across_the_axis(step: &StepModel, mesh: &Mesh, coordinates: &Coordinates) -> Vec<Issue> {
-    let loaded = Loaded { mesh, coordinates };
     let active = || {
         let loads = step.model.loads.iter().zip(&step.loads).enumerate();
         loads
             .filter(|(_, (_, continued))| !continued.released)
-            .map(|(i, (load, _))| (i, load.actions(&loaded)))
+            .map(|(i, (load, _))| (i, load.actions(&Loaded::new(load, mesh, coordinates))))
     };
     let turning = active().flat_map(|(_, actions)| actions).find_map(|action| match action {
         Action::Centrifugal { axis, with_ground, .. } => Some((axis, with_ground)),

@@ -202,3 +202,29 @@ pub fn nodal_areas(positions: &[Vec3; 4]) -> [f64; 4] {
     }
     out
 }
+
+/// Parts along each side into which an element is cut where a factor of the place is integrated.
+pub const PARTS: u32 = 4;
+
+/// Centres of the parts of the interval from −1 to 1.
+pub fn centres_of_parts() -> impl Iterator<Item = f64> {
+    (0..PARTS).map(|i| (2.0 * f64::from(i) + 1.0) / f64::from(PARTS) - 1.0)
+}
+
+/// Integral ∫N_a φ dA₀ of each node's shape function times a factor φ of the place, by the Gauss rule with 2 × 2 points in each of
+/// [`PARTS`]² parts.
+pub fn weighted_nodal_areas(positions: &[Vec3; 4], factor: impl Fn(&Vec3) -> f64) -> [f64; 4] {
+    let mut out = [0.0; 4];
+    let (directors, part) = ([Vec3::z(); 4], 1.0 / f64::from(PARTS));
+    let centres = || centres_of_parts().flat_map(|xi| centres_of_parts().map(move |eta| [xi, eta]));
+    for ([xi, eta], [x, y]) in centres().flat_map(|centre| GAUSS_POINTS.map(|point| (centre, point))) {
+        let [xi, eta] = [xi + part * x, eta + part * y];
+        let shape = shape(xi, eta);
+        let place = positions.iter().zip(shape).fold(Vec3::zeros(), |sum, (x, n)| sum + x * n);
+        let area = area_measure(&covariant_base(positions, &directors, xi, eta)) * part * part;
+        for (out, n) in out.iter_mut().zip(shape) {
+            *out += n * area * factor(&place);
+        }
+    }
+    out
+}

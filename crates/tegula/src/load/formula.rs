@@ -1,5 +1,5 @@
 //! Formulas: amplitudes in `t` with first and second derivatives, force laws of springs in `x`, `v` and `t` with partial derivatives,
-//! and messages for invalid formulas.
+//! inequalities between the coordinates of places, and messages for invalid formulas.
 //!
 //! A formula is compiled to a short program, which is evaluated on numbers that carry their derivatives (forward
 //! automatic differentiation). Nothing is differentiated symbolically, so time and memory grow with the length of the
@@ -10,11 +10,13 @@ mod force;
 mod gradient;
 mod jet;
 mod parse;
+mod place;
 mod poles;
 
 pub use force::{ForceFormula, Partials};
 use jet::{Function, Jet};
 use parse::{Instruction, LONGEST, Names, evaluate, parse};
+pub use place::{PlaceCondition, PlaceFormula};
 
 use super::TimeFunction;
 

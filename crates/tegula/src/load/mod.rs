@@ -15,7 +15,7 @@ pub use amplitude::TimeFunction;
 pub use centrifugal::CentrifugalLoad;
 pub use factor::{LoadFactor, LoadParameter};
 pub use follower::FollowerLoad;
-pub use formula::{ForceFormula, Formula, Partials};
+pub use formula::{ForceFormula, Formula, Partials, PlaceCondition, PlaceFormula};
 pub use own::OwnLoad;
 pub use signal::Signal;
 pub use spline::Spline;

@@ -9,6 +9,7 @@
 
 mod arrays;
 pub mod directors;
+mod elements;
 mod facet;
 pub mod folds;
 pub mod generators;

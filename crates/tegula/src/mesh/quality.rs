@@ -197,7 +197,8 @@ fn check_sets(mesh: &Mesh, issues: &mut Vec<Issue>) {
     for (name, kind, length, largest) in nodes.chain(edges).chain(quads) {
         let (entries, count) =
             if kind == "element" { ("element", mesh.quads.len()) } else { ("node", mesh.positions.len()) };
-        if length == 0 {
+        // Sets that the model picks by place may hold nodes, say, and no edges.
+        if length == 0 && !holds_others(mesh, name) {
             empty.push((name, kind));
         }
         if let Some(largest) = largest.filter(|&largest| largest as usize >= count) {
@@ -217,6 +218,13 @@ fn check_sets(mesh: &Mesh, issues: &mut Vec<Issue>) {
             Issue::new("mesh", message, format!("use {entries}s of the mesh"))
         },
     );
+}
+
+/// Whether some set of this name holds something.
+fn holds_others(mesh: &Mesh, name: &str) -> bool {
+    mesh.node_sets.get(name).is_some_and(|set| !set.is_empty())
+        || mesh.edge_sets.get(name).is_some_and(|set| !set.is_empty())
+        || mesh.quad_sets.get(name).is_some_and(|set| !set.is_empty())
 }
 
 /// Writes out the first issues of a kind and counts the others.

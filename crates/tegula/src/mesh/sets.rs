@@ -49,10 +49,7 @@ impl Mesh {
             return Some(edges);
         }
         if self.node_sets.contains_key(name) {
-            let nodes = self.nodes_on(name)?;
-            let mut edges = self.boundary_edges();
-            edges.retain(|edge| edge.iter().all(|node| nodes.binary_search(node).is_ok()));
-            return Some(edges);
+            return Some(self.boundary_between(&self.nodes_on(name)?));
         }
         (name == ALL && !self.quad_sets.contains_key(ALL)).then(|| self.boundary_edges())
     }
@@ -135,6 +132,21 @@ impl Mesh {
     /// them, sorted by their smaller, then larger node.
     pub fn boundary_edges(&self) -> Vec<[u32; 2]> {
         let edges = Edges::of(&self.quads);
+        edges.iter().filter(|uses| uses.len() == 1).map(|uses| uses[0].nodes()).collect()
+    }
+
+    /// Boundary edges with both ends among some nodes, which are sorted.
+    pub fn boundary_between(&self, nodes: &[u32]) -> Vec<[u32; 2]> {
+        let mut edges = self.boundary_edges();
+        edges.retain(|edge| edge.iter().all(|node| nodes.binary_search(node).is_ok()));
+        edges
+    }
+
+    /// Edges that belong to a single one of some quads, in the direction in which it runs through them; indices out of range are left out.
+    pub fn boundary_of(&self, quads: &[u32]) -> Vec<[u32; 2]> {
+        let quads: Vec<[u32; 4]> =
+            quads.iter().filter_map(|&quad| self.quads.get(quad as usize)).copied().collect();
+        let edges = Edges::of(&quads);
         edges.iter().filter(|uses| uses.len() == 1).map(|uses| uses[0].nodes()).collect()
     }
 

@@ -103,6 +103,9 @@ pub struct VectorLoad {
     pub on: String,
     /// The load as a vector `[x, y, z]` in global axes: force, moment, or either per length or area.
     pub value: [f64; 3],
+    /// Factor on the value in each place: a formula in the coordinates `x`, `y` and `z` of the reference configuration, such as `"1 - z/2"`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distribution: Option<String>,
     /// Name of an amplitude; without one the load grows with the load factor in statics and is constant in transients.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<String>,
@@ -111,7 +114,7 @@ pub struct VectorLoad {
 impl VectorLoad {
     /// Load on a set, without amplitude.
     pub fn new(on: &str, value: [f64; 3]) -> Self {
-        Self { on: on.into(), value, amplitude: None }
+        Self { on: on.into(), value, distribution: None, amplitude: None }
     }
 }
 
@@ -124,6 +127,9 @@ pub struct PressureLoad {
     pub on: String,
     /// Pressure [force/area]; positive pushes against the director.
     pub value: f64,
+    /// Factor on the value in each place: a formula in the coordinates `x`, `y` and `z` of the reference configuration, such as `"1 - z/2"`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distribution: Option<String>,
     /// Name of an amplitude.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<String>,

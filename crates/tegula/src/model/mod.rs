@@ -19,6 +19,7 @@ mod gear_joint;
 mod imperfection;
 pub mod joint;
 pub mod loads;
+mod mesh_set;
 mod mesh_source;
 mod path;
 mod prescribed_strain;
@@ -63,6 +64,9 @@ pub use joint::{
     Joint, JointDrive, JointFriction, JointKeys, JointStops, PointJoint, RackJoint, ScrewJoint, TwoAxesJoint,
 };
 pub use loads::{Load, LoadStiffness, NodalLoad};
+pub use mesh_set::{
+    BoundarySet, BoxSet, CombinedSet, CylinderSet, FormulaSet, MeshSet, NormalSet, PlaneSet, SphereSet,
+};
 pub use mesh_source::*;
 pub use path::{AllBranches, Branches, PathAnalysis, PathEnd, PathMethod};
 pub use prescribed_strain::*;
@@ -95,6 +99,9 @@ pub struct Model {
     /// The mid-surface: a generator or a mesh file; none in models of bodies alone.
     #[serde(default)]
     pub mesh: MeshSource,
+    /// Sets of nodes, elements and edges in addition to those of the mesh.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sets: Vec<MeshSet>,
     /// Materials by name.
     #[serde(default)]
     pub materials: BTreeMap<String, Material>,
@@ -165,6 +172,7 @@ impl Model {
             analysis,
             steps: Vec::new(),
             mesh,
+            sets: Vec::new(),
             materials: BTreeMap::from([("m".to_string(), Material::Isotropic(material))]),
             sections: vec![Section::new("m", thickness)],
             bodies: Vec::new(),

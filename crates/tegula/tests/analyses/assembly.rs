@@ -368,7 +368,12 @@ fn inertia_relief_takes_the_assembled_position() {
     m.conditions.clear();
     m.bodies = vec![body("ball", [1.0, 0.0, 0.5], 0.02, None)];
     m.joints = vec![ball("socket", "ball", "u_max_v_min", [1.0, 0.0, 0.5], [1.0, 0.0, 0.0])];
-    m.loads = vec![Load::Force(VectorLoad { on: "ball".into(), value: [3e-3, -3e-3, 0.0], amplitude: None })];
+    m.loads = vec![Load::Force(VectorLoad {
+        on: "ball".into(),
+        value: [3e-3, -3e-3, 0.0],
+        amplitude: None,
+        distribution: None,
+    })];
     let system = built(&m);
     let state = statics::run(&system, &options, None, &mut Notes::default()).unwrap().state;
     let found = system.relief_acceleration(&state.u, state.time).unwrap();

@@ -258,7 +258,12 @@ pub fn ring(n: u32) -> Model {
         plane("v_min", [0.0, 1.0, 0.0]),
         plane("v_max", [0.0, 1.0, 0.0]),
     ];
-    m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 1.0, amplitude: None })];
+    m.loads = vec![Load::Pressure(PressureLoad {
+        on: "all".into(),
+        value: 1.0,
+        amplitude: None,
+        distribution: None,
+    })];
     m
 }
 
@@ -410,7 +415,8 @@ fn loads_that_cannot_cause_buckling_are_refused() {
     assert!(message(&held).contains("produce no stress"), "{}", message(&held));
     let free = Model { conditions: Vec::new(), ..compressed.clone() };
     assert!(message(&free).contains("moves freely in 6 way(s)"), "{}", message(&free));
-    let pressed = Load::Pressure(PressureLoad { on: "all".into(), value: 1.0, amplitude: None });
+    let pressed =
+        Load::Pressure(PressureLoad { on: "all".into(), value: 1.0, amplitude: None, distribution: None });
     let pressed = Model { loads: vec![pressed], ..compressed };
     assert!(message(&pressed).contains("have no potential"), "{}", message(&pressed));
 }

@@ -175,8 +175,12 @@ fn column_with_plate(part: f64, options: PathAnalysis) -> Vec<(CriticalKind, i32
     m.sections.push(section);
     m.bodies = vec![hub("cap", [length, 0.3, 0.2], &["u_max", "plate"])];
     // A positive pressure acts against the normal.
-    let pressure =
-        PressureLoad { on: "plate".into(), value: part * euler() / (width * side), amplitude: None };
+    let pressure = PressureLoad {
+        on: "plate".into(),
+        value: part * euler() / (width * side),
+        amplitude: None,
+        distribution: None,
+    };
     m.loads = vec![
         Load::Pressure(pressure),
         Load::Edge(vector_load("u_max", [-(1.0 - part) * euler() / width, 0.0, 0.0])),
@@ -288,7 +292,12 @@ fn tube(held_by_bodies: bool, analysis: Analysis) -> Model {
         };
         m.joints = ends.map(held).to_vec();
     }
-    m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 1.0, amplitude: None })];
+    m.loads = vec![Load::Pressure(PressureLoad {
+        on: "all".into(),
+        value: 1.0,
+        amplitude: None,
+        distribution: None,
+    })];
     m
 }
 
@@ -399,7 +408,7 @@ fn arch_under_pressure(side: f64, free: bool) -> (Vec<(CriticalKind, i32, f64)>,
         let symmetry = |edge: &str| SymmetryPlane { on: edge.into(), normal: [0.0, 1.0, 0.0] };
         m.conditions.extend(["v_min", "v_max"].map(|edge| Condition::Symmetry(symmetry(edge))));
     }
-    let pressure = PressureLoad { on: "all".into(), value: 0.625, amplitude: None };
+    let pressure = PressureLoad { on: "all".into(), value: 0.625, amplitude: None, distribution: None };
     m.loads = vec![Load::Pressure(pressure), Load::Traction(vector_load("all", [side, 0.0, 0.0]))];
     m.analysis = Analysis::Path(PathAnalysis { method: Some(PathMethod::ArcLength), ..Default::default() });
     let (mesh, system) = compile(&m);

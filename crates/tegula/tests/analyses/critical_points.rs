@@ -86,9 +86,9 @@ fn column(pressure: Option<f64>, linear_solver: LinearSolver) -> Model {
     let mut m = model(plate([1.0, 0.1], [16, 2], 0.0), 2e11, 0.01);
     m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(2e11, 0.0, 1.0)));
     m.loads = vec![Load::Edge(vector_load("u_max", [-493_480.0, 0.0, 0.0]))];
-    m.loads.extend(
-        pressure.map(|value| Load::Pressure(PressureLoad { on: "all".into(), value, amplitude: None })),
-    );
+    m.loads.extend(pressure.map(|value| {
+        Load::Pressure(PressureLoad { on: "all".into(), value, amplitude: None, distribution: None })
+    }));
     m.analysis = Analysis::Static(StaticAnalysis { linear_solver, ..Default::default() });
     m
 }
@@ -140,7 +140,8 @@ fn stiff_unstable_modes_are_found_among_soft_ones_under_follower_loads() {
             .collect();
         m.conditions = (0..parts.len()).map(|k| Condition::Clamp(on(&format!("u_min{k}")))).collect();
         for factor in [0.8, 1.2] {
-            let pressure = PressureLoad { on: "part0".into(), value: 1e-4, amplitude: None };
+            let pressure =
+                PressureLoad { on: "part0".into(), value: 1e-4, amplitude: None, distribution: None };
             m.loads = vec![Load::Pressure(pressure)];
             m.loads.extend((1..parts.len()).map(|k| {
                 let force = [-factor / 12.0 * 493_480.0, 0.0, 0.0];

@@ -264,7 +264,8 @@ fn a_point_that_leaves_the_end_of_its_curve_is_refused() {
         // A force along the wire pushes the bead off in statics.
         model.springs = vec![tied([0.0; 3], 1.0)];
         let value = [2.0 * direction, 0.0, 0.0];
-        model.loads = vec![Load::Force(VectorLoad { on: "bead".into(), value, amplitude: None })];
+        model.loads =
+            vec![Load::Force(VectorLoad { on: "bead".into(), value, amplitude: None, distribution: None })];
         let options = StaticAnalysis { load_steps: 4, ..StaticAnalysis::default() };
         model.analysis = Analysis::Static(options.clone());
         let system = compile::build(&model, &mesh).unwrap();

@@ -145,7 +145,12 @@ fn the_fold_of_an_angle_carries_the_pressure_on_its_upright_sheet() {
         let mut m = Model::new(mesh, statics_of(true), Isotropic::new(1e6, 0.3, 1.0), 0.01);
         m.sections[0].element = element;
         m.conditions = vec![Condition::Clamp(on("u_min"))];
-        m.loads = vec![Load::Pressure(PressureLoad { on: "above".into(), value: 3.0, amplitude: None })];
+        m.loads = vec![Load::Pressure(PressureLoad {
+            on: "above".into(),
+            value: 3.0,
+            amplitude: None,
+            distribution: None,
+        })];
         m.output.cuts = vec![cut("fold", "line", "above"), cut("clamp", "u_min", "below")];
         // The upright sheet is above the fold, and the fold lies at the right end of the flat one.
         let mesh = divided(&m, |x| if x.z > 1e-9 { x.z } else { x.x - 0.6 });

@@ -75,7 +75,7 @@ fn the_start_satisfies_the_equations_of_motion() {
     m.damping = Damping { mass: 0.7, stiffness: 1e-3 };
     m.loads = vec![
         Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.81], amplitude: None }),
-        Load::Pressure(PressureLoad { on: "all".into(), value: 2.0, amplitude: None }),
+        Load::Pressure(PressureLoad { on: "all".into(), value: 2.0, amplitude: None, distribution: None }),
         Load::Force(vector_load("u_max_v_max", [1.0, 2.0, 3.0])),
     ];
     let mut notes = Notes::keeping();
@@ -186,8 +186,13 @@ fn loads_in_time_close_the_energy_balance() {
     let wave = Some("wave".to_string());
     m.loads = vec![
         Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.81], amplitude: wave.clone() }),
-        Load::Pressure(PressureLoad { on: "all".into(), value: 900.0, amplitude: None }),
-        Load::Edge(VectorLoad { on: "u_max".into(), value: [500.0, 0.0, 300.0], amplitude: wave }),
+        Load::Pressure(PressureLoad { on: "all".into(), value: 900.0, amplitude: None, distribution: None }),
+        Load::Edge(VectorLoad {
+            on: "u_max".into(),
+            value: [500.0, 0.0, 300.0],
+            amplitude: wave,
+            distribution: None,
+        }),
     ];
     check_energy_balance("loads", &m, 0.256, 4e-3);
 }

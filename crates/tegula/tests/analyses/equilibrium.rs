@@ -13,7 +13,7 @@ fn loaded(element: ElementKind) -> Model {
     m.sections[0].element = element;
     m.loads = vec![
         Load::Edge(vector_load("u_max", [0.0, 0.0, 30.0])),
-        Load::Pressure(PressureLoad { on: "all".into(), value: 20.0, amplitude: None }),
+        Load::Pressure(PressureLoad { on: "all".into(), value: 20.0, amplitude: None, distribution: None }),
     ];
     m
 }

@@ -192,7 +192,12 @@ fn a_step_above_the_critical_one_is_an_error_with_a_remedy() {
 #[test]
 fn the_energy_balance_of_a_linear_motion_is_exact() {
     let mut m = vibrating(5, 0.05);
-    m.loads = vec![Load::Edge(VectorLoad { on: "u_max".into(), value: [0.0, 3.0, 1.0], amplitude: None })];
+    m.loads = vec![Load::Edge(VectorLoad {
+        on: "u_max".into(),
+        value: [0.0, 3.0, 1.0],
+        amplitude: None,
+        distribution: None,
+    })];
     let mut m = with(&m, explicit(true), 0.5, None);
     if let Analysis::Transient(t) = &mut m.analysis {
         t.linear = true;
@@ -212,6 +217,7 @@ fn values_that_are_not_finite_are_an_error_with_their_place() {
         on: "u_max_v_max".into(),
         value: [0.0, 0.0, 1e100],
         amplitude: Some("late".into()),
+        distribution: None,
     })];
     let table = TableAmplitude { times: vec![0.0, 0.01, 0.011, 1.0], values: vec![0.0, 0.0, 1e200, 1e200] };
     m.amplitudes.insert("late".into(), Amplitude::Table(table));

@@ -474,6 +474,7 @@ fn automatic_steps_resolve_a_pulse_on_a_free_mass() {
         on: "m".into(),
         value: [1.0, 0.0, 0.0],
         amplitude: Some("pulse".into()),
+        distribution: None,
     })];
     let outcome = dynamics::run(&built(&model), options(&model), None, &mut Notes::default()).unwrap();
     assert!((outcome.state.u[0][0] - 19.0).abs() < 1e-3, "{:?}", outcome.state.u[0]);

@@ -177,7 +177,12 @@ fn rubber_under_pressure() {
     m.sections[0].element = ElementKind::Cm;
     m.conditions =
         ["u_min", "u_max", "v_min", "v_max"].map(|set| Condition::Clamp(OnSet { on: set.into() })).into();
-    m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: -1.5e3, amplitude: None })];
+    m.loads = vec![Load::Pressure(PressureLoad {
+        on: "all".into(),
+        value: -1.5e3,
+        amplitude: None,
+        distribution: None,
+    })];
     let (fast, _) = against_newmark(&m, 4.0, 0.08, 1e-2);
     let top = fast.state.u.iter().map(|u| u[2]).reduce(larger).unwrap();
     assert!(top > 0.1, "the sheet bulges by {top}");

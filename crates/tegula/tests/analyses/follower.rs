@@ -65,7 +65,12 @@ fn tip(mesh: &Mesh, system: &System, outcome: &StaticOutcome) -> Vec3 {
 }
 
 fn under_pressure(mut m: Model) -> Model {
-    m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 5.0, amplitude: None })];
+    m.loads = vec![Load::Pressure(PressureLoad {
+        on: "all".into(),
+        value: 5.0,
+        amplitude: None,
+        distribution: None,
+    })];
     m
 }
 
@@ -107,7 +112,7 @@ fn equal_bodies_under_follower_loads_are_as_stable_as_one() {
             m.loads = (0..bodies)
                 .map(|k| {
                     let on = format!("part{k}").as_str().into();
-                    Load::Pressure(PressureLoad { on, value: 5.0, amplitude: None })
+                    Load::Pressure(PressureLoad { on, value: 5.0, amplitude: None, distribution: None })
                 })
                 .collect();
             let system = build(&m, &mesh).unwrap();
@@ -131,7 +136,7 @@ fn equal_bodies_under_follower_loads_are_as_stable_as_one() {
 #[test]
 fn directors_of_unit_length_converge_as_fast_under_follower_loads() {
     for load in [
-        Load::Pressure(PressureLoad { on: "all".into(), value: 3.0, amplitude: None }),
+        Load::Pressure(PressureLoad { on: "all".into(), value: 3.0, amplitude: None, distribution: None }),
         Load::EdgeMoment(vector_load("u_max", [5.0, 20.0, 0.0])),
         Load::Moment(vector_load("u_max", [1.0, 6.0, 0.0])),
     ] {
@@ -222,7 +227,7 @@ fn moment_on_directors_reports_the_share_that_is_lost_as_they_turn() {
 fn iterative_solver_finds_the_equilibrium_under_follower_loads() {
     let mut m = strip([40, 4], 0.3, 10);
     m.loads = vec![
-        Load::Pressure(PressureLoad { on: "all".into(), value: 0.5, amplitude: None }),
+        Load::Pressure(PressureLoad { on: "all".into(), value: 0.5, amplitude: None, distribution: None }),
         Load::EdgeMoment(vector_load("u_max", [1.0, 4.0, 0.0])),
     ];
     let (_, _, direct, of_direct) = run(&m);
@@ -249,7 +254,12 @@ fn iterations_and_results_under_follower_loads_do_not_depend_on_units() {
         });
         m.sections[0].thickness *= length;
         m.loads = vec![
-            Load::Pressure(PressureLoad { on: "all".into(), value: 3.0 * pressure, amplitude: None }),
+            Load::Pressure(PressureLoad {
+                on: "all".into(),
+                value: 3.0 * pressure,
+                amplitude: None,
+                distribution: None,
+            }),
             Load::EdgeMoment(vector_load("u_max", [2.0 * force, 5.0 * force, 0.0])),
         ];
         let (mesh, system, outcome, iterations) = run(&m);
@@ -271,8 +281,8 @@ fn circulatory_stiffness_is_the_skew_part_of_all_follower_loads() {
     m.amplitudes.insert("half".into(), table);
     let amplitude = Some("half".to_string());
     m.loads = vec![
-        Load::Pressure(PressureLoad { on: "all".into(), value: 2.0, amplitude: None }),
-        Load::Pressure(PressureLoad { on: "all".into(), value: -3.0, amplitude }),
+        Load::Pressure(PressureLoad { on: "all".into(), value: 2.0, amplitude: None, distribution: None }),
+        Load::Pressure(PressureLoad { on: "all".into(), value: -3.0, amplitude, distribution: None }),
         Load::EdgeMoment(vector_load("v_max", [1.0, -2.0, 0.5])),
         Load::Moment(vector_load("u_max", [1.0, 2.0, 0.0])),
     ];
@@ -338,7 +348,7 @@ fn pressure_on_a_surface_with_supported_edges_takes_no_additional_solutions() {
 fn time_steps_under_follower_loads_take_few_additional_solutions() {
     let mut m = strip([20, 2], 0.3, 1);
     m.loads = vec![
-        Load::Pressure(PressureLoad { on: "all".into(), value: 0.5, amplitude: None }),
+        Load::Pressure(PressureLoad { on: "all".into(), value: 0.5, amplitude: None, distribution: None }),
         Load::EdgeMoment(vector_load("u_max", [0.0, 1.0, 0.0])),
     ];
     for scheme in [Scheme::default(), Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 })] {
@@ -377,7 +387,12 @@ fn work_of_conservative_follower_loads_is_the_strain_energy() {
     bent.loads = vec![Load::EdgeMoment(vector_load("u_max", [0.0, -10.0, 0.0]))];
     let mut blown = model(plate([1.0, 1.0], [6, 6], 0.0), 1e6, 0.02);
     blown.conditions = ["u_min", "u_max", "v_min", "v_max"].map(|set| Condition::Clamp(on(set))).into();
-    blown.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: -100.0, amplitude: None })];
+    blown.loads = vec![Load::Pressure(PressureLoad {
+        on: "all".into(),
+        value: -100.0,
+        amplitude: None,
+        distribution: None,
+    })];
     blown.analysis = Analysis::Static(StaticAnalysis { load_steps: 40, ..Default::default() });
     for (name, m) in [("bent", bent), ("blown", blown)] {
         let (_, _, outcome, _) = run(&m);

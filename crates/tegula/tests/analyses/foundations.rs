@@ -41,7 +41,8 @@ fn a_beam_with_free_ends_sinks_as_hetenyi_says() {
             .collect();
         mesh.node_sets.insert("middle".into(), middle.clone());
         let value = [0.0, 0.0, -force / middle.len() as f64];
-        m.loads = vec![Load::Force(VectorLoad { on: "middle".into(), value, amplitude: None })];
+        m.loads =
+            vec![Load::Force(VectorLoad { on: "middle".into(), value, amplitude: None, distribution: None })];
         let system = compile::build(&m, &mesh).unwrap();
         let Analysis::Static(options) = &m.analysis else { panic!() };
         let state = statics::run(&system, options, None, &mut Silent).unwrap().state;
@@ -137,7 +138,12 @@ fn a_heavy_plate_on_a_damped_foundation_follows_its_closed_form() {
 fn static_analyses_are_refused_where_the_foundation_leaves_motions_free() {
     let mut m = strip([10, 2]);
     m.foundations = vec![area(1e5)];
-    m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 10.0, amplitude: None })];
+    m.loads = vec![Load::Pressure(PressureLoad {
+        on: "all".into(),
+        value: 10.0,
+        amplitude: None,
+        distribution: None,
+    })];
     let mesh = mesh::generators::generate(&m.mesh).unwrap();
     for (linear, density) in [(true, 800.0), (false, 800.0), (true, 0.0), (false, 0.0)] {
         m.analysis = Analysis::Static(StaticAnalysis { linear, ..StaticAnalysis::default() });
@@ -163,7 +169,12 @@ fn a_weak_foundation_in_the_plane_holds_a_plate_in_it() {
         assert!((mode.omega / 2.5_f64.sqrt() - 1.0).abs() < 1e-4, "{}", mode.omega);
     }
     m.analysis = Analysis::Static(StaticAnalysis { linear: true, ..StaticAnalysis::default() });
-    m.loads = vec![Load::Traction(VectorLoad { on: "all".into(), value: [10.0, 0.0, 0.0], amplitude: None })];
+    m.loads = vec![Load::Traction(VectorLoad {
+        on: "all".into(),
+        value: [10.0, 0.0, 0.0],
+        amplitude: None,
+        distribution: None,
+    })];
     compile::build(&m, &mesh::generators::generate(&m.mesh).unwrap()).unwrap();
 }
 
@@ -197,8 +208,12 @@ fn the_iterative_solver_agrees_with_the_direct_one_on_a_foundation() {
         let on = "all".to_owned();
         m.foundations =
             vec![Foundation::Area(AreaFoundation { on, stiffness, normal: 0.0, retardation_time: 0.0 })];
-        m.loads =
-            vec![Load::Force(VectorLoad { on: "u_max".into(), value: [0.0, 1.0, -3.0], amplitude: None })];
+        m.loads = vec![Load::Force(VectorLoad {
+            on: "u_max".into(),
+            value: [0.0, 1.0, -3.0],
+            amplitude: None,
+            distribution: None,
+        })];
         let options = StaticAnalysis { linear_solver, ..StaticAnalysis::default() };
         m.analysis = Analysis::Static(options.clone());
         let system = compile::build(&m, &mesh::generators::generate(&m.mesh).unwrap()).unwrap();

@@ -194,7 +194,12 @@ fn few_modes_give_the_response_of_the_whole_equations() {
     for element in [ElementKind::Ems, ElementKind::Mitc4, ElementKind::SolidShell] {
         let loads = vec![
             force("u_max_v_max", [1.0, 2.0, -30.0]),
-            Load::Pressure(PressureLoad { on: "all".into(), value: 50.0, amplitude: None }),
+            Load::Pressure(PressureLoad {
+                on: "all".into(),
+                value: 50.0,
+                amplitude: None,
+                distribution: None,
+            }),
         ];
         let mut m = model(plate([1.0, 0.4], [6, 3], 0.2), 2.1e11, 0.01);
         m.sections[0].element = element;

@@ -200,6 +200,7 @@ fn two_joints_hold_one_motion_up_to_the_sum_of_their_friction() {
             on: "rack".into(),
             value: [1.0, 0.0, 0.0],
             amplitude: Some("pull".into()),
+            distribution: None,
         }));
         let mut notes = Notes::default();
         let (system, state) = run(&model, &mut notes);
@@ -223,7 +224,7 @@ fn static_friction_holds_one_motion_up_to_the_sum_of_its_limits() {
         model.amplitudes.insert("pull".into(), pull);
         let force = |value: [f64; 3], amplitude: Option<&str>| {
             let amplitude = amplitude.map(Into::into);
-            Load::Force(VectorLoad { on: "rack".into(), value, amplitude })
+            Load::Force(VectorLoad { on: "rack".into(), value, amplitude, distribution: None })
         };
         model.loads = vec![force([1.0, 0.0, 0.0], Some("pull")), force([0.0, 0.0, -10.0], None)];
         let mut notes = Notes::default();
@@ -340,6 +341,7 @@ fn a_held_body_rests_under_a_moment() {
             on: "block".into(),
             value: [0.0, 0.0, 3.0],
             amplitude: None,
+            distribution: None,
         }));
         let (system, state) = run(&model, &mut Notes::default());
         let (place, _) = pose(&system, &state, 0);
@@ -367,8 +369,12 @@ fn a_parallelogram_rests_up_to_the_sum_of_the_friction_of_its_hinges() {
             hinge("d", ["right", "rod"], [1.0, 0.4, 0.0]),
         ];
         let mut model = machine(0.5, 5e-3, bodies, joints);
-        model.loads =
-            vec![Load::Moment(VectorLoad { on: "left".into(), value: [0.0, 0.0, moment], amplitude: None })];
+        model.loads = vec![Load::Moment(VectorLoad {
+            on: "left".into(),
+            value: [0.0, 0.0, moment],
+            amplitude: None,
+            distribution: None,
+        })];
         let (_, state) = run(&model, &mut Notes::default());
         let turned = state.coordinates[0].value;
         // Cranks of the inertia 0.02 + 0.04, the rod moves on a circle of the radius 0.4.

@@ -149,8 +149,12 @@ fn wheels_swing_through_many_turns_at_a_constant_ratio() {
 fn torques_of_wheels_have_the_inverse_ratio() {
     let mut model = pair(0.2, 1e-3, RADII);
     let axis = Vec3::from(AXIS).normalize();
-    model.loads =
-        vec![Load::Moment(VectorLoad { on: "pinion".into(), value: (axis * 0.3).into(), amplitude: None })];
+    model.loads = vec![Load::Moment(VectorLoad {
+        on: "pinion".into(),
+        value: (axis * 0.3).into(),
+        amplitude: None,
+        distribution: None,
+    })];
     let mut notes = Notes::keeping();
     let (system, state) = run(&model, &mut notes);
     let ratio = -RADII[1] / RADII[0];
@@ -208,7 +212,12 @@ fn the_sun_of_a_planetary_gear_turns_as_willis_says() {
         let error = |step: f64| {
             let (model, acceleration, speeds) = planetary(2.2, step);
             let value = [0.0, 0.0, 1.5];
-            let loads = vec![Load::Moment(VectorLoad { on: "sun".into(), value, amplitude: None })];
+            let loads = vec![Load::Moment(VectorLoad {
+                on: "sun".into(),
+                value,
+                amplitude: None,
+                distribution: None,
+            })];
             let mut notes = Notes::default();
             let (system, state) = run(&with_scheme(Model { loads, ..model }, scheme), &mut notes);
             let exact = 0.5 * acceleration * 2.2 * 2.2;
@@ -281,7 +290,8 @@ fn a_static_moment_is_transmitted_over_several_turns() {
     let moment_on_pinion = 0.5 * target / (ratio * ratio);
     let axis = Vec3::from(AXIS).normalize();
     let value = (axis * moment_on_pinion).into();
-    model.loads = vec![Load::Moment(VectorLoad { on: "pinion".into(), value, amplitude: None })];
+    model.loads =
+        vec![Load::Moment(VectorLoad { on: "pinion".into(), value, amplitude: None, distribution: None })];
     let options = StaticAnalysis { load_steps: 40, ..StaticAnalysis::default() };
     model.analysis = Analysis::Static(options.clone());
     let mesh = mesh::generators::generate(&model.mesh).unwrap();
@@ -333,7 +343,8 @@ fn a_gear_that_was_released_meshes_where_its_wheels_stand() {
             step("again", move_on, &[], &[]),
         ];
         let value = (axis * 1.5).into();
-        model.steps[1].loads = vec![Load::Moment(VectorLoad { on: "wheel".into(), value, amplitude: None })];
+        model.steps[1].loads =
+            vec![Load::Moment(VectorLoad { on: "wheel".into(), value, amplitude: None, distribution: None })];
         let done = run(&model).unwrap();
         let spin = |i: usize, body: usize| {
             let (system, state) = (&done[i].system, &done[i].state);

@@ -218,7 +218,12 @@ fn a_strongly_damped_beam_starts_under_a_sudden_load() {
         model.beams = vec![beam.clone()];
         model.damping.stiffness = 0.01;
         let value = [0.0, 0.0, 5.0];
-        model.loads = vec![Load::Force(VectorLoad { on: "rod.end".into(), value, amplitude: None })];
+        model.loads = vec![Load::Force(VectorLoad {
+            on: "rod.end".into(),
+            value,
+            amplitude: None,
+            distribution: None,
+        })];
         let (system, state) = run(&model, &mut Notes::default());
         let end = system.coordinates.bodies.last().unwrap().centre as usize;
         // F L³/3EI, to which the damped vibration has come close.

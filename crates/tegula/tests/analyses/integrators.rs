@@ -250,7 +250,12 @@ fn soft_plate() -> Model {
 fn schemes_are_of_second_order_under_loads_that_change_with_time() {
     let amplitude = || Some("wave".to_string());
     let dead = Load::Edge(VectorLoad { amplitude: amplitude(), ..vector_load("u_max", [4e3, 0.0, 6e3]) });
-    let pressure = Load::Pressure(PressureLoad { on: "all".into(), value: 9e3, amplitude: amplitude() });
+    let pressure = Load::Pressure(PressureLoad {
+        on: "all".into(),
+        value: 9e3,
+        amplitude: amplitude(),
+        distribution: None,
+    });
     let moment =
         Load::EdgeMoment(VectorLoad { amplitude: amplitude(), ..vector_load("u_max", [0.0, 3e2, 0.0]) });
     for (name, load) in [("dead", dead), ("pressure", pressure), ("moment", moment)] {

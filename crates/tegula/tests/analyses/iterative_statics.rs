@@ -137,7 +137,7 @@ fn irregular_meshes_with_several_sections_and_pressure_agree_with_the_direct_sol
     second.element = ElementKind::Cm;
     m.sections.push(second);
     m.loads = vec![
-        Load::Pressure(PressureLoad { on: "all".into(), value: 2.0, amplitude: None }),
+        Load::Pressure(PressureLoad { on: "all".into(), value: 2.0, amplitude: None, distribution: None }),
         Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.8], amplitude: None }),
     ];
     let off = difference(&mesh, &m, false);

@@ -107,6 +107,7 @@ fn a_growing_force_breaks_the_block_loose() {
             on: "block".into(),
             value: [1.0, 0.0, 0.0],
             amplitude: Some("pull".into()),
+            distribution: None,
         }));
         let mut notes = Notes::default();
         let (system, state) = run(&model, &mut notes);
@@ -151,6 +152,7 @@ fn automatic_steps_find_where_a_block_breaks_loose() {
             on: "block".into(),
             value: [size, 0.0, 0.0],
             amplitude: Some("wave".into()),
+            distribution: None,
         }));
         let (system, state) = run(&model, &mut Notes::default());
         (pose(&system, &state, 0).0.x / x - 1.0).abs()
@@ -194,6 +196,7 @@ fn a_block_on_a_cart_goes_along_or_slips() {
             on: "cart".into(),
             value: [force, 0.0, 0.0],
             amplitude: None,
+            distribution: None,
         }));
         let mut notes = Notes::default();
         let (system, state) = run(&model, &mut notes);

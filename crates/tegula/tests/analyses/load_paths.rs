@@ -95,7 +95,8 @@ fn loads_that_come_late_find_inextensible_directors_at_rest() {
     }
     m.sections[0].element = ElementKind::Mitc4;
     let amplitude = Some("late".to_owned());
-    m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 2e-3, amplitude })];
+    m.loads =
+        vec![Load::Pressure(PressureLoad { on: "all".into(), value: 2e-3, amplitude, distribution: None })];
     let late = TableAmplitude { times: vec![0.0, 0.5, 1.0], values: vec![0.0, 0.0, 1.0] };
     m.amplitudes.insert("late".into(), Amplitude::Table(late));
     m.analysis = Analysis::Static(StaticAnalysis { load_steps: 4, ..Default::default() });

@@ -24,6 +24,7 @@ mod couplings;
 mod critical_points;
 mod curves;
 mod cuts;
+mod distributions;
 mod drives;
 mod dynamics;
 mod equilibrium;

@@ -332,7 +332,12 @@ fn modes_under_a_pressure_without_potential_are_refused() {
         m.materials.insert("m".into(), material(1.2e6, 0.3));
         let edges: &[&str] = if all_edges { &["u_min", "u_max", "v_min", "v_max"] } else { &["u_min"] };
         m.conditions = edges.iter().map(|edge| Condition::Clamp(on(edge))).collect();
-        m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: pressure, amplitude: None })];
+        m.loads = vec![Load::Pressure(PressureLoad {
+            on: "all".into(),
+            value: pressure,
+            amplitude: None,
+            distribution: None,
+        })];
         m.analysis = Analysis::Modal(ModalAnalysis { prestressed: true, ..ModalAnalysis::new(wanted) });
         let (_, system) = compile(&m);
         let start = modal::prestress(&system, &mut Silent).unwrap().state;

@@ -294,7 +294,12 @@ fn reactions_balance_the_loads_on_a_patched_shell() {
         m.loads = vec![
             gravity([0.0, 0.0, -9.81]),
             Load::Force(vector_load("tip", [0.1, 0.5, 0.2])),
-            Load::Pressure(PressureLoad { on: "all".into(), value: 3.0, amplitude: None }),
+            Load::Pressure(PressureLoad {
+                on: "all".into(),
+                value: 3.0,
+                amplitude: None,
+                distribution: None,
+            }),
         ];
         let (_, system, outcome) = solve(&m);
         let balance = ReactionFinder::new(&system, None).find(&system, None, &outcome.state);
@@ -425,7 +430,7 @@ fn the_tangent_of_a_patch_under_follower_loads_is_the_derivative_of_its_residual
     m.bodies = vec![hub("tip", [LENGTH, 0.1, 0.1], &["u_max", "u_max_v_max"])];
     m.loads = vec![
         Load::Force(vector_load("u_max", [-0.05, 0.1, 0.15])),
-        Load::Pressure(PressureLoad { on: "all".into(), value: 2.0, amplitude: None }),
+        Load::Pressure(PressureLoad { on: "all".into(), value: 2.0, amplitude: None, distribution: None }),
         Load::Moment(vector_load("tip", [0.1, -0.25, 0.05])),
         Load::Moment(vector_load("u_max", [0.02, 0.03, 0.0])),
     ];

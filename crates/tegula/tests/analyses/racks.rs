@@ -99,7 +99,7 @@ fn a_pinion_moves_a_rack_that_slides() {
     ];
     let joints = vec![guide("rack"), hinge("ground"), pinion("rack", RADIUS)];
     let value: [f64; 3] = (Vec3::from(AXIS).normalize() * moment).into();
-    let load = Load::Moment(VectorLoad { on: "pinion".into(), value, amplitude: None });
+    let load = Load::Moment(VectorLoad { on: "pinion".into(), value, amplitude: None, distribution: None });
     let model = Model { loads: vec![load], ..machine(1.0, 2e-3, bodies, joints) };
     let (system, state) = run(&model, &mut Notes::default());
     let way = pose(&system, &state, 0).0.dot(&along());

@@ -88,7 +88,12 @@ fn reactions_balance_loads_on_the_deformed_shell() {
         m.loads = vec![
             Load::Edge(vector_load("u_max", [0.0, 0.0, -1.5])),
             Load::EdgeMoment(vector_load("u_max", [0.0, 0.5, 0.0])),
-            Load::Pressure(PressureLoad { on: "all".into(), value: 0.2, amplitude: None }),
+            Load::Pressure(PressureLoad {
+                on: "all".into(),
+                value: 0.2,
+                amplitude: None,
+                distribution: None,
+            }),
         ];
         let (system, state, forces, _) = equilibrium(&m);
         let tip = max_norm(state.u.iter().map(|u| u[2]));
@@ -129,7 +134,12 @@ fn supports_share_their_nodes() {
             symmetry("v_min", [-s, s, 0.0]),
             Condition::Hinge(on("v_max")),
         ];
-        m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 3.0, amplitude: None })];
+        m.loads = vec![Load::Pressure(PressureLoad {
+            on: "all".into(),
+            value: 3.0,
+            amplitude: None,
+            distribution: None,
+        })];
         let (system, _, forces, _) = equilibrium(&m);
         let names: Vec<&str> = system.support_sets.iter().map(|s| s.name.as_str()).collect();
         assert_eq!(names, ["u_min", "v_min", "v_max"]);
@@ -238,7 +248,12 @@ fn moving_shells_are_in_balance() {
         m.conditions = vec![Condition::Prescribe(lift), Condition::Fix(fixed)];
         m.loads = vec![
             Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.81], amplitude: None }),
-            Load::Pressure(PressureLoad { on: "all".into(), value: 20.0, amplitude: None }),
+            Load::Pressure(PressureLoad {
+                on: "all".into(),
+                value: 20.0,
+                amplitude: None,
+                distribution: None,
+            }),
         ];
         let options = TransientAnalysis { scheme, max_step: Some(2e-3), ..TransientAnalysis::new(0.3) };
         m.analysis = Analysis::Transient(options.clone());

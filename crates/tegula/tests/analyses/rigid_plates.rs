@@ -33,7 +33,7 @@ fn hinged(elements: u32, load: Load) -> Model {
 }
 
 fn pressure() -> Load {
-    Load::Pressure(PressureLoad { on: "all".into(), value: PRESSURE, amplitude: None })
+    Load::Pressure(PressureLoad { on: "all".into(), value: PRESSURE, amplitude: None, distribution: None })
 }
 
 /// Angle by which the plate hangs down.

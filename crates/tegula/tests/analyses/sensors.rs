@@ -252,7 +252,8 @@ fn load_steps_that_would_lose_a_turn_are_cut_back() {
             moment: None,
             free_angle,
         });
-        let load = VectorLoad { on: on.into(), value: [0.0, 0.0, value], amplitude: None };
+        let load =
+            VectorLoad { on: on.into(), value: [0.0, 0.0, value], amplitude: None, distribution: None };
         model.loads.push(Load::Moment(load));
     }
     model.sensors = vec![angle("both", "a", "b")];
@@ -337,7 +338,8 @@ fn load_steps_end_at_the_load_factor_of_a_value() {
     let condition = stop("sensor.turns.angle", 400.0, Crossing::Rising);
     let options = StaticAnalysis { load_steps: 7, stop: vec![condition], ..StaticAnalysis::default() };
     let model = Model::of_bodies(Analysis::Static(options), vec![wheel], vec![hinge]);
-    let load = VectorLoad { on: "wheel".into(), value: [0.0, 0.0, moment], amplitude: None };
+    let load =
+        VectorLoad { on: "wheel".into(), value: [0.0, 0.0, moment], amplitude: None, distribution: None };
     let sensors = vec![angle("turns", "ground", "wheel")];
     let model = Model { torsion_springs: vec![coil], loads: vec![Load::Moment(load)], sensors, ..model };
     let (state, stopped, seen) = analysed(&model);

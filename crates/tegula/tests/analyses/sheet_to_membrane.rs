@@ -50,7 +50,7 @@ fn quarter(size: [f64; 2], elements: [u32; 2], h: f64, element: ElementKind, loa
 /// A load across the sheet: constant in direction, or a pressure that follows it.
 fn across(q: f64, follower: bool) -> Load {
     if follower {
-        Load::Pressure(PressureLoad { on: "all".into(), value: -q, amplitude: None })
+        Load::Pressure(PressureLoad { on: "all".into(), value: -q, amplitude: None, distribution: None })
     } else {
         Load::Traction(vector_load("all", [0.0, 0.0, q]))
     }

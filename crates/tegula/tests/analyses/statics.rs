@@ -201,7 +201,12 @@ fn the_side_of_the_director_does_not_matter_to_dead_loads() {
     }
     // A pressure pushes against the director and so the other way.
     let mut m = model(plate([1.0, 1.0], [3, 3], 0.0), 2.1e8, 0.05);
-    m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 10.0, amplitude: None })];
+    m.loads = vec![Load::Pressure(PressureLoad {
+        on: "all".into(),
+        value: 10.0,
+        amplitude: None,
+        distribution: None,
+    })];
     let mesh = generate(&m.mesh).unwrap();
     for (mesh, side) in [(mesh.clone(), -1.0), (reversed(&mesh), 1.0)] {
         let system = build(&m, &mesh).unwrap();
@@ -309,7 +314,12 @@ fn loads_that_are_no_numbers_are_refused() {
         Load::EdgeMoment(vector_load("u_max", nan)),
         Load::Traction(vector_load("all", nan)),
         Load::Gravity(GravityLoad { value: [0.0, f64::INFINITY, 0.0], amplitude: None }),
-        Load::Pressure(PressureLoad { on: "all".into(), value: f64::NAN, amplitude: None }),
+        Load::Pressure(PressureLoad {
+            on: "all".into(),
+            value: f64::NAN,
+            amplitude: None,
+            distribution: None,
+        }),
     ];
     for load in cases {
         let m = Model { loads: vec![load.clone()], ..corner_force(2) };

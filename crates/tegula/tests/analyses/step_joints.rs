@@ -470,7 +470,8 @@ fn the_moment_of_a_released_drive_or_lock_falls_with_the_load_factor_at_any_angl
     let steps = vec![step("locked", at_rest(), &[], &["hinge"]), step("free", in_steps(), &[], &[])];
     let mut model = with(vec![hinge], steps);
     let value = (Vec3::from(axis) / 3.0 * (2.5 * k)).into();
-    model.loads = vec![Load::Moment(VectorLoad { on: "wheel".into(), value, amplitude: None })];
+    model.loads =
+        vec![Load::Moment(VectorLoad { on: "wheel".into(), value, amplitude: None, distribution: None })];
     let done = run(&model).unwrap();
     seen(&done[1], &|factor| 2.5 * factor);
 }

@@ -183,7 +183,8 @@ fn with_loads(name: &str, loads: &[Load]) -> AnalysisStep {
 fn loads_continue_grow_and_fall_from_step_to_step() {
     let down = Load::Edge(vector_load("u_max", [0.0, 0.0, -20.0]));
     let along = Load::Edge(vector_load("u_max", [30.0, 0.0, 0.0]));
-    let pressure = Load::Pressure(PressureLoad { on: "all".into(), value: 25.0, amplitude: None });
+    let pressure =
+        Load::Pressure(PressureLoad { on: "all".into(), value: 25.0, amplitude: None, distribution: None });
     let at_once =
         |loads: &[Load]| run(&cantilever(vec![with_loads("", loads)]), |_, _, _| {}).unwrap().remove(0).u;
     let steps = vec![
@@ -474,7 +475,8 @@ fn a_load_with_another_amplitude_is_the_same_load() {
 
 #[test]
 fn a_preloaded_structure_in_equilibrium_stays_at_rest() {
-    let pressure = Load::Pressure(PressureLoad { on: "all".into(), value: -2e4, amplitude: None });
+    let pressure =
+        Load::Pressure(PressureLoad { on: "all".into(), value: -2e4, amplitude: None, distribution: None });
     for scheme in [
         Scheme::default(),
         Scheme::Hht(HhtScheme { alpha: -0.05 }),

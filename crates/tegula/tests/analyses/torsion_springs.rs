@@ -122,7 +122,12 @@ fn load_steps_beyond_half_a_turn_are_cut_back() {
             .map(|(name, ends, k)| TorsionSpring { name: name.into(), ..spring(ends, k, 0.0, 0.0) })
             .to_vec();
     let moment = |on: &str, value: f64| {
-        Load::Moment(VectorLoad { on: on.into(), value: [0.0, 0.0, value], amplitude: None })
+        Load::Moment(VectorLoad {
+            on: on.into(),
+            value: [0.0, 0.0, value],
+            amplitude: None,
+            distribution: None,
+        })
     };
     model.loads = vec![moment("a", -2.4), moment("b", 2.4)];
     let system = compile::build(&model, &mesh::generators::generate(&model.mesh).unwrap()).unwrap();
@@ -140,7 +145,8 @@ fn a_static_moment_winds_the_spring_up_beyond_a_turn() {
     let mut model = wheel(1.0, 0.1, spring(["ground", "wheel"], 2.0, 0.0, 0.0));
     let target = 1.7 * std::f64::consts::TAU;
     let value = [0.0, 0.0, 2.0 * target];
-    model.loads = vec![Load::Moment(VectorLoad { on: "wheel".into(), value, amplitude: None })];
+    model.loads =
+        vec![Load::Moment(VectorLoad { on: "wheel".into(), value, amplitude: None, distribution: None })];
     let options = StaticAnalysis { load_steps: 10, ..StaticAnalysis::default() };
     model.analysis = Analysis::Static(options.clone());
     let mesh = mesh::generators::generate(&model.mesh).unwrap();

@@ -48,7 +48,12 @@ fn volumes_over_unknown_sets_are_refused() {
     let mut m = model(plate([2.0, 3.0], [4, 5], 0.0), 1e7, 0.01);
     let volume = VolumeSensor { name: "inside".into(), on: "nowhere".into(), tip: [0.0; 3] };
     m.sensors = vec![Sensor::Volume(volume)];
-    m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 1.0, amplitude: None })];
+    m.loads = vec![Load::Pressure(PressureLoad {
+        on: "all".into(),
+        value: 1.0,
+        amplitude: None,
+        distribution: None,
+    })];
     let mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
     let error = tegula::compile::build(&m, &mesh).err().unwrap().to_string();
     assert!(error.contains("sensors[0].on: there is no set of elements \"nowhere\""), "{error}");

@@ -193,7 +193,7 @@ pub fn distance(a: &[Nodal], b: &[Nodal]) -> f64 {
 
 /// A load by its vector.
 pub fn vector_load(on: &str, value: [f64; 3]) -> VectorLoad {
-    VectorLoad { on: on.into(), value, amplitude: None }
+    VectorLoad { on: on.into(), value, amplitude: None, distribution: None }
 }
 
 /// Set by name.

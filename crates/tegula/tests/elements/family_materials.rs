@@ -193,7 +193,12 @@ fn nearly_incompressible_rubber_does_not_lock() {
             m.materials.insert("m".into(), Material::NeoHookean(law));
             m.sections[0].element = element;
             m.conditions = ["u_min", "u_max", "v_min", "v_max"].map(|set| Condition::Hinge(on(set))).into();
-            m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: -0.03, amplitude: None })];
+            m.loads = vec![Load::Pressure(PressureLoad {
+                on: "all".into(),
+                value: -0.03,
+                amplitude: None,
+                distribution: None,
+            })];
             m.analysis = Analysis::Static(StaticAnalysis { load_steps: 4, ..Default::default() });
             let (_, _, outcome) = common::solve(&m);
             outcome.state.u.iter().map(|u| u[2]).reduce(larger).unwrap()

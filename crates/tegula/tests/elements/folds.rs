@@ -43,7 +43,7 @@ fn linear(model: &mut Model, loads: Vec<Load>) {
 
 /// Sum of a load over an edge of the strip, as a load per length.
 fn spread(on: &str, force: [f64; 3]) -> VectorLoad {
-    VectorLoad { on: on.into(), value: force.map(|f| f / WIDTH), amplitude: None }
+    VectorLoad { on: on.into(), value: force.map(|f| f / WIDTH), amplitude: None, distribution: None }
 }
 
 /// Second moment of area of a strip.
@@ -160,6 +160,7 @@ fn tension_along_a_fold_does_not_open_it() {
                 on: "v_max".into(),
                 value: [0.0, strain * E * H, 0.0],
                 amplitude: None,
+                distribution: None,
             });
             linear(&mut model, vec![pull]);
             let mesh = generate(&model.mesh).unwrap();
@@ -273,6 +274,7 @@ fn the_angle_of_a_fold_is_kept_under_large_rotation() {
         on: "u_max".into(),
         value: [0.0, -moment, 0.0],
         amplitude: None,
+        distribution: None,
     })];
     model.analysis = Analysis::Static(StaticAnalysis { load_steps: 10, ..Default::default() });
     let mesh = generate(&model.mesh).unwrap();
@@ -346,6 +348,7 @@ fn a_closed_box_bends_as_a_beam() {
         on: "v_max".into(),
         value: [0.0, 0.0, -force / (4.0 * a)],
         amplitude: None,
+        distribution: None,
     })];
     model.analysis = Analysis::Static(StaticAnalysis { linear: true, ..Default::default() });
     let mesh = generate(&model.mesh).unwrap();

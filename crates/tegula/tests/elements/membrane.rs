@@ -147,7 +147,12 @@ fn rubber_between_hinges_bears_pressure_on_coarse_meshes() {
         m.materials.insert("m".into(), Material::NeoHookean(law));
         m.sections[0].element = ElementKind::Cm;
         m.conditions = ["u_min", "u_max", "v_min", "v_max"].map(|set| Condition::Hinge(on(set))).into();
-        m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: -0.03, amplitude: None })];
+        m.loads = vec![Load::Pressure(PressureLoad {
+            on: "all".into(),
+            value: -0.03,
+            amplitude: None,
+            distribution: None,
+        })];
         // Longer steps fail at first, where the sheet is flat.
         m.analysis = Analysis::Static(StaticAnalysis { load_steps: 32, ..Default::default() });
         let outcome = run(&m).unwrap();

@@ -136,7 +136,12 @@ fn edge_loads_tractions_and_forces_have_their_resultants() {
 #[test]
 fn pressure_acts_against_the_director() {
     let (mut m, u, v) = inclined_plate();
-    m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 5.0, amplitude: None })];
+    m.loads = vec![Load::Pressure(PressureLoad {
+        on: "all".into(),
+        value: 5.0,
+        amplitude: None,
+        distribution: None,
+    })];
     let (force, moment) = reference_resultant(&m);
     let exact = u.cross(&v) * -15.0;
     close(force, exact, 15.0);
@@ -174,7 +179,12 @@ fn moments_across_the_directors_have_their_resultants() {
 fn follower_pressure_on_a_deformed_surface() {
     // Gauss: the resultant depends on the boundary only, −p ½ ∮ x × dx; here of a straight-edged loop.
     let (mut m, ..) = inclined_plate();
-    m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 5.0, amplitude: None })];
+    m.loads = vec![Load::Pressure(PressureLoad {
+        on: "all".into(),
+        value: 5.0,
+        amplitude: None,
+        distribution: None,
+    })];
     let (mesh, system) = compile(&m);
     let mut random = Random::new(5);
     let u: Vec<Nodal> = (0..system.vectors()).map(|_| (random.vector() * 0.3).into()).collect();
@@ -226,7 +236,12 @@ fn cube() -> Mesh {
 fn pressure_on_a_closed_surface_has_no_resultant() {
     let mut m = model(plate([1.0; 2], [1, 1], 0.0), 1e6, 0.01);
     m.conditions = vec![Condition::Clamp(on("support"))];
-    m.loads = vec![Load::Pressure(PressureLoad { on: "all".into(), value: 3.0, amplitude: None })];
+    m.loads = vec![Load::Pressure(PressureLoad {
+        on: "all".into(),
+        value: 3.0,
+        amplitude: None,
+        distribution: None,
+    })];
     let mesh = cube();
     let system = build(&m, &mesh).unwrap();
     let mut random = Random::new(9);
@@ -261,7 +276,7 @@ fn reactions_balance_the_loads() {
         // Loads on supported nodes go straight into the support.
         Load::Force(vector_load("u_min", [11.0, -7.0, 5.0])),
         Load::Edge(vector_load("v_min", [0.0, 1.0, 9.0])),
-        Load::Pressure(PressureLoad { on: "all".into(), value: 20.0, amplitude: None }),
+        Load::Pressure(PressureLoad { on: "all".into(), value: 20.0, amplitude: None, distribution: None }),
         Load::EdgeMoment(vector_load("u_max", [0.0, 4.0, 0.0])),
         Load::Moment(vector_load("u_min_v_max", [3.0, 1.0, 0.0])),
         Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.81], amplitude: None }),

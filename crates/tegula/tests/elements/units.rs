@@ -96,7 +96,12 @@ fn statics_do_not_know_units() {
         let mut m = cylinder(8, 2.1e8, 1.0, units);
         m.loads = vec![
             Load::Force(vector_load("u_max_v_max", [0.0, 0.0, -20.0 / units.force()])),
-            Load::Pressure(PressureLoad { on: "all".into(), value: 3.0 / units.stress(), amplitude: None }),
+            Load::Pressure(PressureLoad {
+                on: "all".into(),
+                value: 3.0 / units.stress(),
+                amplitude: None,
+                distribution: None,
+            }),
             Load::EdgeMoment(vector_load("u_max", [0.0, 0.5 / units.force(), 0.0])),
             Load::Edge(vector_load("v_min", [2.0 * units.length / units.force(), 0.0, 0.0])),
         ];

@@ -75,7 +75,7 @@ impl ForceFormula {
 
     /// Value and partial derivatives at `[x, v, t]`.
     pub fn partials(&self, [x, v, t]: [f64; 3]) -> Partials {
-        let variables = [Gradient::variable(x, 0), Gradient::variable(v, 1), Gradient::variable(t, 2)];
+        let variables = [Gradient::<2>::variable(x, 0), Gradient::variable(v, 1), Gradient::variable(t, 2)];
         let Gradient { value, by: [by_position, by_rate] } = evaluate(&self.program, variables);
         Partials { value, by_position, by_rate }
     }

@@ -1,14 +1,14 @@
-//! Numbers with partial derivatives of first order by two variables (forward automatic differentiation).
+//! Numbers with partial derivatives of first order by several variables (forward automatic differentiation).
 
 use super::jet::{Function, Number, Operator};
 
 /// Value with its partial derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Gradient {
+pub(super) struct Gradient<const V: usize> {
     /// Value.
     pub value: f64,
     /// Derivatives by the variables.
-    pub by: [f64; 2],
+    pub by: [f64; V],
 }
 
 /// Product of a factor and a derivative: zero derivatives stay zero even where the factor is infinite.
@@ -16,7 +16,7 @@ fn scaled(factor: f64, by: f64) -> f64 {
     if by == 0.0 { 0.0 } else { factor * by }
 }
 
-impl Gradient {
+impl<const V: usize> Gradient<V> {
     /// The variable with this number.
     pub fn variable(value: f64, number: usize) -> Self {
         Self { value, by: std::array::from_fn(|i| if i == number { 1.0 } else { 0.0 }) }
@@ -35,16 +35,16 @@ impl Gradient {
         let value = self.value.powf(exponent.value);
         let n = exponent.value;
         let by_base = if n == 0.0 { 0.0 } else { n * self.value.powf(n - 1.0) };
-        if exponent.by == [0.0; 2] {
+        if exponent.by == [0.0; V] {
             return self.chain(value, by_base);
         }
         Self::combined(value, (self, by_base), (exponent, value * self.value.ln()))
     }
 }
 
-impl Number for Gradient {
+impl<const V: usize> Number for Gradient<V> {
     fn constant(value: f64) -> Self {
-        Self { value, by: [0.0; 2] }
+        Self { value, by: [0.0; V] }
     }
 
     fn combine(operator: Operator, a: Self, b: Self) -> Self {

@@ -14,7 +14,8 @@ impl LoadKind for Force {
 
     fn actions(keys: &VectorLoad, mesh: &dyn LoadedMesh) -> Vec<Action> {
         let force = Vec3::from(keys.value);
-        mesh.nodes(&keys.on).into_iter().map(|node| Action::Force { node, force }).collect()
+        let nodes = mesh.nodes(&keys.on).into_iter();
+        nodes.map(|node| Action::Force { node, force: force * mesh.factor(node) }).collect()
     }
 
     fn example() -> VectorLoad {

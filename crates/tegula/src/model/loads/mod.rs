@@ -47,9 +47,13 @@ pub trait LoadedMesh {
     fn nodes(&self, set: &str) -> Vec<u32>;
     /// Quads of a set, by their nodes.
     fn quads(&self, set: &str) -> Vec<[u32; 4]>;
-    /// Length of an edge set that each of its nodes stands for (length), consistent with linear edges.
+    /// Factor φ of the distribution of the load at a node; 1 where it has none.
+    fn factor(&self, node: u32) -> f64;
+    /// Mean of the factor φ over a quad, given by its nodes.
+    fn mean_factor(&self, quad: &[u32; 4]) -> f64;
+    /// Integral ∫N_a φ ds over an edge set with the factor φ of the distribution: the length that each of its nodes stands for (length).
     fn lengths(&self, set: &str) -> BTreeMap<u32, f64>;
-    /// Area ∫N_a dA of a quad set that each of its nodes stands for (length²).
+    /// Integral ∫N_a φ dA over a quad set: the area that each of its nodes stands for (length²).
     fn areas(&self, set: &str) -> BTreeMap<u32, f64>;
     /// Nodal vectors of the position and of the first director of a node.
     fn vectors(&self, node: u32) -> [u32; 2];
@@ -85,7 +89,7 @@ pub enum Action {
         /// Moment (force·length).
         moment: Vec3,
     },
-    /// Moment per length on all edges of a set, constant in space (force).
+    /// Moment per length on all edges of a set, constant in space, which the distribution of the load multiplies (force).
     EdgeMoment {
         /// Edge set.
         set: String,
@@ -109,6 +113,10 @@ pub trait LoadKeys {
     fn on(&self) -> &str;
     /// Values, which have to be finite; a load all of whose values are 0 does nothing.
     fn values(&self) -> &[f64];
+    /// Factor on the value in each place, a formula in the coordinates.
+    fn distribution(&self) -> Option<&String> {
+        None
+    }
     /// Name of the amplitude.
     fn amplitude(&self) -> &Option<String>;
     /// The key of the amplitude, to be changed.
@@ -142,6 +150,11 @@ impl Load {
         self.keys().amplitude()
     }
 
+    /// Factor on the values in each place, a formula in the coordinates; `None` where it is 1.
+    pub fn distribution(&self) -> Option<&String> {
+        self.keys().distribution()
+    }
+
     /// Values of the load at factor 1, in the units of its kind.
     pub fn values(&self) -> &[f64] {
         self.keys().values()
@@ -162,6 +175,10 @@ impl LoadKeys for VectorLoad {
 
     fn values(&self) -> &[f64] {
         &self.value
+    }
+
+    fn distribution(&self) -> Option<&String> {
+        self.distribution.as_ref()
     }
 
     fn amplitude(&self) -> &Option<String> {

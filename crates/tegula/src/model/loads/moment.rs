@@ -14,7 +14,8 @@ impl LoadKind for Moment {
 
     fn actions(keys: &VectorLoad, mesh: &dyn LoadedMesh) -> Vec<Action> {
         let moment = Vec3::from(keys.value);
-        mesh.nodes(&keys.on).into_iter().map(|node| Action::Moment { node, moment }).collect()
+        let nodes = mesh.nodes(&keys.on).into_iter();
+        nodes.map(|node| Action::Moment { node, moment: moment * mesh.factor(node) }).collect()
     }
 
     fn example() -> VectorLoad {

@@ -13,11 +13,11 @@ impl LoadKind for Pressure {
 
     fn actions(keys: &PressureLoad, mesh: &dyn LoadedMesh) -> Vec<Action> {
         let quads = mesh.quads(&keys.on).into_iter();
-        quads.map(|quad| Action::Pressure { quad, pressure: keys.value }).collect()
+        quads.map(|quad| Action::Pressure { quad, pressure: keys.value * mesh.mean_factor(&quad) }).collect()
     }
 
     fn example() -> PressureLoad {
-        PressureLoad { on: "all".into(), value: 0.3, amplitude: None }
+        PressureLoad { on: "all".into(), value: 0.3, amplitude: None, distribution: None }
     }
 }
 
@@ -28,6 +28,10 @@ impl LoadKeys for PressureLoad {
 
     fn values(&self) -> &[f64] {
         std::slice::from_ref(&self.value)
+    }
+
+    fn distribution(&self) -> Option<&String> {
+        self.distribution.as_ref()
     }
 
     fn amplitude(&self) -> &Option<String> {

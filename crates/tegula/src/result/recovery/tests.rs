@@ -39,7 +39,7 @@ fn fix(on: &str, position: &[Axis], director: &[Axis]) -> Condition {
 }
 
 fn edge(on: &str, value: [f64; 3]) -> VectorLoad {
-    VectorLoad { on: on.into(), value, amplitude: None }
+    VectorLoad { on: on.into(), value, amplitude: None, distribution: None }
 }
 
 fn near(found: f64, expected: f64, scale: f64, what: &str) {
