@@ -17,6 +17,7 @@ mod interrupt;
 mod locking;
 mod new;
 mod progress;
+mod render;
 mod report;
 mod run;
 mod schema;
@@ -57,6 +58,8 @@ enum Command {
     Convert(convert::Arguments),
     /// Write the report of a result folder, or of a model file: one HTML file with moving shapes, checks, curves and tables, or with the mesh, supports, loads and sets
     Report(html_report::Arguments),
+    /// Draw a picture or a film of a result folder
+    Render(render::Arguments),
     /// Print the JSON Schema of the model file, for editors
     Schema,
     /// Print version, threads and instruction set, or the summary of a model or result
@@ -82,6 +85,7 @@ fn main() -> ExitCode {
         Command::New(arguments) => (new::run(&arguments), false),
         Command::Convert(arguments) => (convert::run(&arguments), false),
         Command::Report(arguments) => (html_report::run(&arguments), false),
+        Command::Render(arguments) => (render::run(&arguments), false),
         Command::Schema => (schema::run(), false),
         Command::Info(arguments) => (info::run(&arguments), arguments.json),
         Command::Completions(arguments) => (completions::run(&arguments), false),

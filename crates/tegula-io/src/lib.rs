@@ -9,4 +9,5 @@ pub mod mesh;
 pub mod nastran;
 pub mod out;
 pub mod plot;
+pub mod render;
 pub mod report;

@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 mod decks;
 mod machines;
 mod paths;
+mod renders;
 mod reports;
 
 fn tegula(arguments: &[&str]) -> Output {

@@ -10,7 +10,7 @@ use crate::out::{OutputError, PvdSeries, printable, vtu};
 
 /// Names of the files that a run leaves, beside the numbered field files and the pictures of
 /// points.
-const OWN: [&str; 24] = [
+const OWN: [&str; 25] = [
     "fields.pvd",
     "bodies.pvd",
     "mode_bodies.pvd",
@@ -33,6 +33,7 @@ const OWN: [&str; 24] = [
     "step_size.png",
     "load_displacement.png",
     "snapshots.png",
+    "render.png",
     "modes.png",
     "log.txt",
 ];

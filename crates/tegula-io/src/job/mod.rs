@@ -26,7 +26,7 @@ mod branches;
 mod buckling;
 mod campbell;
 mod critical_modes;
-mod drawn_outline;
+pub(crate) mod drawn_outline;
 mod eigenproblem;
 mod fields;
 mod folder;

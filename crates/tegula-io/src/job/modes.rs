@@ -136,5 +136,5 @@ fn tile(mesh: &Mesh, system: &System, (shape, label): (&[Nodal], String), index:
         *x = std::array::from_fn(|i| x[i] + shift[i]);
     }
     let mean = |quad: &[u32; 4]| quad.iter().map(|&n| size(&u[n as usize])).sum::<f64>() / (4.0 * largest);
-    Snapshot { positions, values: Some(mesh.quads.iter().map(mean).collect()), label, opacity: 1.0 }
+    Snapshot { positions, values: Some(mesh.quads.iter().map(mean).collect()), label, ..Snapshot::default() }
 }

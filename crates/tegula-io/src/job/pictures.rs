@@ -210,6 +210,7 @@ fn snapshots(recorder: &Recorder<'_>) -> Result<(), OutputError> {
         ]
         .concat(),
         values: (!only_shape).then(|| k.values.clone()),
+        nodal: None,
         label: format!("{letter} {}{unit}", short(k.time)),
         opacity: opacity(i, count),
     });

@@ -29,6 +29,8 @@ pub struct Snapshot {
     pub positions: Vec<[f64; 3]>,
     /// One value per quadrilateral that gives its colour; `None` colours by the order of the snapshots.
     pub values: Option<Vec<f64>>,
+    /// One value per node that gives the colours, in place of values of quadrilaterals.
+    pub nodal: Option<Vec<f64>>,
     /// Label beside the shell, for example `t = 0.4 s`; may be empty.
     pub label: String,
     /// From 0, invisible, to 1, solid.
@@ -37,7 +39,7 @@ pub struct Snapshot {
 
 impl Default for Snapshot {
     fn default() -> Self {
-        Self { positions: Vec::new(), values: None, label: String::new(), opacity: 1.0 }
+        Self { positions: Vec::new(), values: None, nodal: None, label: String::new(), opacity: 1.0 }
     }
 }
 
@@ -58,6 +60,10 @@ pub struct SurfacePlot {
     pub color_label: String,
     /// Whether values are averaged at the nodes and run smoothly, or each element has one colour.
     pub smooth: bool,
+    /// Values at both ends of the colours; the smallest and the largest value unless given.
+    pub range: Option<[f64; 2]>,
+    /// Points for which there is room in the picture, too, so that the pictures of a film have one scale.
+    pub room: Vec<[f64; 3]>,
     /// Width and height in pixels.
     pub size: (u32, u32),
 }
@@ -72,6 +78,8 @@ impl Default for SurfacePlot {
             view: View::default(),
             color_label: String::new(),
             smooth: true,
+            range: None,
+            room: Vec::new(),
             size: (1200, 800),
         }
     }
@@ -84,6 +92,16 @@ impl Default for SurfacePlot {
 pub fn surfaces(path: &Path, plot: &SurfacePlot) -> Result<(), OutputError> {
     let canvas = draw(plot).map_err(|problem| OutputError::refused(path, problem))?;
     canvas.save(path)
+}
+
+/// Width, height and pixels of the picture, three bytes each, row by row from the top.
+///
+/// # Errors
+/// The data do not fit together, or nothing can be drawn.
+pub fn pixels(plot: &SurfacePlot) -> Result<(u32, u32, Vec<u8>), String> {
+    let canvas = draw(plot)?;
+    let (width, height) = canvas.size();
+    Ok((width as u32, height as u32, canvas.pixels()))
 }
 
 fn draw(plot: &SurfacePlot) -> Result<Canvas, String> {
@@ -105,8 +123,19 @@ fn labelled(plot: &SurfacePlot) -> Result<(Canvas, Labels), String> {
         .map(|s| s.positions.iter().map(|&x| camera.see(&Vec3::from(x))).collect())
         .collect();
 
-    let values = || plot.snapshots.iter().filter_map(|s| s.values.as_ref()).flatten().copied();
-    let axis = Axis::around(values(), false, 0.0);
+    // Only bodies have nodes without a quadrilateral, and no values.
+    let mut nodes: Vec<u32> = plot.quads.iter().flatten().copied().collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    let colouring = |s: &Snapshot| -> Vec<f64> {
+        let nodal = s.nodal.iter().flat_map(|values| nodes.iter().map(|&node| values[node as usize]));
+        s.values.iter().flatten().copied().chain(nodal).collect()
+    };
+    let values = || plot.snapshots.iter().flat_map(colouring);
+    let axis = match plot.range {
+        Some(range) => Axis::around(range.into_iter().filter(|_| values().next().is_some()), false, 0.0),
+        None => Axis::around(values(), false, 0.0),
+    };
     let (patches, left_out) = patches(plot, &seen, axis.as_ref());
 
     let top = if plot.title.is_empty() { MARGIN } else { 60.0 };
@@ -114,7 +143,8 @@ fn labelled(plot: &SurfacePlot) -> Result<(Canvas, Labels), String> {
     let labelled = plot.snapshots.iter().any(|s| !s.label.is_empty());
     let (side, border) = if labelled { (80.0, 44.0) } else { (MARGIN, MARGIN) };
     let (low, high) = ([side, top + border], [width - bar - side, height - border - MARGIN]);
-    let used = patches.iter().flat_map(|p| p.corners.iter());
+    let room: Vec<Vec3> = plot.room.iter().map(|&x| camera.see(&Vec3::from(x))).collect();
+    let used = patches.iter().flat_map(|p| p.corners.iter()).chain(&room);
     let placement = Placement::fit(used, low, high)
         .ok_or("nothing can be drawn: no visible element has finite positions and a size")?;
 
@@ -175,6 +205,11 @@ fn check(plot: &SurfacePlot) -> Result<(), String> {
                 plot.quads.len()
             ));
         }
+        if let Some(values) = &snapshot.nodal
+            && values.len() != nodes
+        {
+            return Err(format!("snapshot {i} has {} values for {nodes} nodes", values.len()));
+        }
     }
     Ok(())
 }
@@ -217,10 +252,15 @@ fn patches(plot: &SurfacePlot, seen: &[Vec<Vec3>], axis: Option<&Axis>) -> (Vec<
 
 /// Colours at the corners of each element.
 fn colours(plot: &SurfacePlot, number: usize, snapshot: &Snapshot, axis: Option<&Axis>) -> Vec<[Rgb; 4]> {
-    let (Some(values), Some(axis)) = (&snapshot.values, axis) else {
+    let Some(axis) = axis else { return vec![[of_instant(plot, number); 4]; plot.quads.len()] };
+    // Values beyond a given range have the colours of its ends.
+    let colour = |value: f64| axis.place(value).map_or(Rgb::MISSING, viridis);
+    if let Some(nodal) = &snapshot.nodal {
+        return plot.quads.iter().map(|quad| quad.map(|node| colour(nodal[node as usize]))).collect();
+    }
+    let Some(values) = &snapshot.values else {
         return vec![[of_instant(plot, number); 4]; plot.quads.len()];
     };
-    let colour = |value: f64| axis.place(value).map_or(Rgb::MISSING, viridis);
     if !plot.smooth {
         return values.iter().map(|&v| [colour(v); 4]).collect();
     }
@@ -300,7 +340,7 @@ mod tests {
                     positions,
                     values: Some(values),
                     label: format!("t = {:.1} s", 0.2 * k as f64),
-                    opacity: 1.0,
+                    ..Snapshot::default()
                 }
             })
             .collect();
