@@ -62,8 +62,8 @@ fn unknown_keys_come_with_the_one_that_was_meant() {
     m.toml:26:1: output."a b": unknown key "a b"
       help: the keys here are "points", "cuts", "fields", "interval", "every", "at", "deformed", "units", "pictures"
     "#);
-    insta::assert_snapshot!(with("[materials.steel]", "[materials.\"my.steel\"]\nx = 1"), @r#"
-    m.toml:11:1: materials."my.steel".x: unknown key "x"
+    insta::assert_snapshot!(with("[materials.steel]", "[materials.\"my.steel\"]\nw = 1"), @r#"
+    m.toml:11:1: materials."my.steel".w: unknown key "w"
       help: the keys here are "type", "young", "poisson", "density", "expansion", "strength"
     "#);
     insta::assert_snapshot!(with("[output]", "[output]\nname = 3"), @r#"

@@ -168,7 +168,7 @@ fn inequalities(chain: &str, text: &str) -> Result<Vec<Inequality>, (String, Str
         return Err((format!("the condition {} {problem}", quoted(text)), remedy()));
     }
     let unbalanced = |side: &&str| side.matches('(').count() != side.matches(')').count();
-    if sides.iter().any(unbalanced) && chain.matches('(').count() == chain.matches(')').count() {
+    if sides.iter().any(unbalanced) && !unbalanced(&text) {
         let problem = format!("the condition {} has brackets around an inequality", quoted(text));
         return Err((
             problem,
