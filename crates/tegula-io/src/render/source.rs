@@ -55,6 +55,9 @@ impl Instant {
     }
 }
 
+/// Points without displacement, and their displacements.
+type Moved = (Vec<[f64; 3]>, Vec<[f64; 3]>);
+
 /// Field that gives the colours.
 struct Field {
     array: ArrayHead,
@@ -267,7 +270,7 @@ impl Source {
     }
 
     /// Points without displacement, and their displacements.
-    fn points(&self, file: &VtuFile) -> Result<(Vec<[f64; 3]>, Vec<[f64; 3]>), OutputError> {
+    fn points(&self, file: &VtuFile) -> Result<Moved, OutputError> {
         let mut points = file.coordinates()?;
         let array = file.arrays.iter().find(|a| a.name == "displacement" && a.components == 3);
         let moved: Vec<[f64; 3]> = match array {
