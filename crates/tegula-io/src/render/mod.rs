@@ -79,7 +79,7 @@ pub fn still(folder: &Path, drawing: &Drawing, file: &Path) -> Result<(), Output
 /// Draws a film of a result folder: all states, one a frame, or a period of a mode. All frames have one scale, one place and one range of colours.
 ///
 /// # Errors
-/// As for [`still`]; or the film has more than one size of picture, or the program that encodes it is missing or fails.
+/// As for [`still`]; or the rate is no rate, or the program that encodes the film is missing or fails.
 pub fn film(
     folder: &Path,
     drawing: &Drawing,
@@ -96,7 +96,7 @@ pub fn film(
     let range = drawing.range.or(range_of_a_vibration(&instant));
     let frame = |number: usize| {
         let phase = (std::f64::consts::TAU * number as f64 / FRAMES_OF_A_PERIOD as f64).cos();
-        let plot = plot(&source, drawing, &instant.times(phase), scale * phase);
+        let plot = plot(&source, drawing, &source.vibrating(&instant, phase), scale * phase);
         Ok(SurfacePlot { room: room.clone(), range, ..plot })
     };
     film::write(file, (encoding, rate), FRAMES_OF_A_PERIOD, frame)

@@ -29,15 +29,6 @@ impl Instant {
         self.reference.iter().zip(&self.displacement).map(moved).collect()
     }
 
-    /// The instant of a vibration of this shape in which displacements are `factor` times as large; values without a sign, as stresses of von
-    /// Mises and sizes of vectors, keep it.
-    pub fn times(&self, factor: f64) -> Self {
-        let signed = self.values.iter().flatten().any(|value| *value < 0.0);
-        let factor = if signed { factor } else { factor.abs() };
-        let scaled = |values: &Vec<f64>| values.iter().map(|x| x * factor).collect();
-        Self { values: self.values.as_ref().map(scaled), ..self.clone() }
-    }
-
     fn largest_displacement(&self) -> f64 {
         self.displacement.iter().map(|u| u.iter().map(|x| x * x).sum::<f64>().sqrt()).fold(0.0, larger)
     }
@@ -230,6 +221,22 @@ impl Source {
         }
         let largest = instant.largest_displacement();
         if self.modes && largest > 0.0 { SIZE_OF_A_MODE * instant.extent() / largest } else { 1.0 }
+    }
+
+    /// The instant of a vibration at which the displacements of its shape are multiplied by `factor`. Values without a sign, as stresses of von Mises
+    /// and sizes of vectors, keep it; energies are quadratic.
+    pub fn vibrating(&self, shape: &Instant, factor: f64) -> Instant {
+        let signed = shape.values.iter().flatten().any(|value| *value < 0.0);
+        let quadratic = self.field.as_ref().is_some_and(|field| field.array.name == "energy_density");
+        let factor = if quadratic {
+            factor * factor
+        } else if signed {
+            factor
+        } else {
+            factor.abs()
+        };
+        let values = shape.values.as_ref().map(|values| values.iter().map(|x| x * factor).collect());
+        Instant { values, ..shape.clone() }
     }
 
     /// Reads an instant.

@@ -433,3 +433,21 @@ fn mode(
         whirl: None,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::is_resolved;
+
+    #[test]
+    fn round_off_hides_modes_that_are_near_to_others() {
+        assert!(is_resolved(1.0, 1.009, 1e-3) && !is_resolved(1.0, 1.011, 1e-3));
+        // Apart from all others by 1e6 the strain energy is right to 0.04/1e6.
+        assert!(is_resolved(1.0, 1.2, 1e6) && is_resolved(-1.0, -1.2, 1e6) && !is_resolved(1.0, 1.4, 1e6));
+        assert!(!is_resolved(1.0, 1.2, 1e3) && is_resolved(1.0, 1.2, f64::INFINITY));
+        assert!(
+            !is_resolved(1.0, f64::NAN, 1e6)
+                && !is_resolved(f64::NAN, 1.0, 1e6)
+                && !is_resolved(1.0, 1.2, f64::NAN)
+        );
+    }
+}

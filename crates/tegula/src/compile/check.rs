@@ -97,6 +97,28 @@ fn keys_of(model: &Model, joints: &[Joint], continues: bool) -> Vec<Issue> {
     }
     c.analysis(model, continues);
     c.issues.extend(amplitudes::amplitudes(model));
+    names_of_points(model, &mut c);
+    for (key, name) in model.output.units.named() {
+        if name.is_empty() || name.chars().count() > LONGEST_UNIT || name.chars().any(char::is_control) {
+            c.add(
+                format!("output.units.{key}"),
+                format!("{name:?} cannot name a unit"),
+                format!("give a short name such as \"mm\", of at most {LONGEST_UNIT} characters"),
+            );
+        }
+    }
+    if let Some(interval) = model.output.interval {
+        c.not_negative("output.interval", "the interval", interval);
+        if model.output.every.is_some() {
+            c.add("output.every", "`interval` and `every` are both given", "keep one of them");
+        }
+    }
+    c.wanted_times(model);
+    c.issues
+}
+
+/// Names of points, and whether each has a place.
+fn names_of_points(model: &Model, c: &mut Checker) {
     for (i, p) in model.output.points.iter().enumerate() {
         let key = format!("output.points[{i}]");
         if p.on.is_some() == p.at.is_some() {
@@ -131,23 +153,6 @@ fn keys_of(model: &Model, joints: &[Joint], continues: bool) -> Vec<Issue> {
             );
         }
     }
-    for (key, name) in model.output.units.named() {
-        if name.is_empty() || name.chars().count() > LONGEST_UNIT || name.chars().any(char::is_control) {
-            c.add(
-                format!("output.units.{key}"),
-                format!("{name:?} cannot name a unit"),
-                format!("give a short name such as \"mm\", of at most {LONGEST_UNIT} characters"),
-            );
-        }
-    }
-    if let Some(interval) = model.output.interval {
-        c.not_negative("output.interval", "the interval", interval);
-        if model.output.every.is_some() {
-            c.add("output.every", "`interval` and `every` are both given", "keep one of them");
-        }
-    }
-    c.wanted_times(model);
-    c.issues
 }
 
 /// Names of sets that the mesh does not have, loads and sections on nothing.
@@ -172,6 +177,49 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             "add the sets of the model to the mesh with `compile::define_sets` before it is used",
         );
     }
+    sections_of(model, mesh, &mut c);
+    super::check_sections::edges(model, mesh, &mut c);
+    for (i, condition) in model.conditions.iter().enumerate() {
+        let key = format!("conditions[{i}].on");
+        let nodes = c.set(mesh, key.clone(), condition.on(), "nodes", Mesh::nodes_on);
+        if !nodes.is_empty() {
+            let positions: Vec<Vec3> = nodes.iter().map(|&n| mesh.positions[n as usize]).collect();
+            condition.check_nodes(&key, &positions, mesh.extent(), &mut c);
+        }
+    }
+    for (i, body) in model.bodies.iter().enumerate() {
+        for (k, set) in body.attached.iter().enumerate() {
+            c.set(mesh, format!("bodies[{i}].attached[{k}]"), set, "nodes", Mesh::nodes_on);
+        }
+        for (k, set) in body.distributed.iter().enumerate() {
+            c.set(mesh, format!("bodies[{i}].distributed[{k}]"), set, "nodes", Mesh::nodes_on);
+        }
+    }
+    loads_of(model, mesh, &mut c);
+    for (i, p) in model.prescribed_strains.iter().enumerate() {
+        drop(c.set(mesh, format!("prescribed_strains[{i}].on"), p.on(), "quads", Mesh::quads_on));
+    }
+    for (i, mass) in model.masses.iter().enumerate() {
+        let key = format!("masses[{i}].on");
+        match mass {
+            AddedMass::Point(m) => drop(c.set(mesh, key, &m.on, "nodes", Mesh::nodes_on)),
+            AddedMass::Edge(m) => drop(c.set(mesh, key, &m.on, "edges", Mesh::edges_on)),
+            AddedMass::Area(m) => drop(c.set(mesh, key, &m.on, "quads", Mesh::quads_on)),
+        }
+    }
+    super::foundations::sets(model, mesh, &mut c);
+    super::ties::sets(model, mesh, &mut c);
+    for (i, v) in model.initial_velocities.iter().enumerate().filter(|(_, v)| !of_bodies(model, mesh, v)) {
+        drop(c.set(mesh, format!("initial_velocities[{i}].on"), &v.on, "nodes", Mesh::nodes_on));
+    }
+    points_of(model, mesh, &mut c);
+    super::cuts::sets(model, mesh, &mut c);
+    c.issues.extend(orphan_nodes(model, mesh));
+    c.issues
+}
+
+/// Elements with two sections or without one.
+fn sections_of(model: &Model, mesh: &Mesh, c: &mut Checker) {
     let mut section_of: BTreeMap<u32, usize> = BTreeMap::new();
     for (i, s) in model.sections.iter().enumerate() {
         let key = format!("sections[{i}].on");
@@ -206,28 +254,15 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             "add a section for them, or use on = \"all\"",
         );
     }
-    super::check_sections::edges(model, mesh, &mut c);
-    for (i, condition) in model.conditions.iter().enumerate() {
-        let key = format!("conditions[{i}].on");
-        let nodes = c.set(mesh, key.clone(), condition.on(), "nodes", Mesh::nodes_on);
-        if !nodes.is_empty() {
-            let positions: Vec<Vec3> = nodes.iter().map(|&n| mesh.positions[n as usize]).collect();
-            condition.check_nodes(&key, &positions, mesh.extent(), &mut c);
-        }
-    }
-    for (i, body) in model.bodies.iter().enumerate() {
-        for (k, set) in body.attached.iter().enumerate() {
-            c.set(mesh, format!("bodies[{i}].attached[{k}]"), set, "nodes", Mesh::nodes_on);
-        }
-        for (k, set) in body.distributed.iter().enumerate() {
-            c.set(mesh, format!("bodies[{i}].distributed[{k}]"), set, "nodes", Mesh::nodes_on);
-        }
-    }
+}
+
+/// Sets and distributions of loads.
+fn loads_of(model: &Model, mesh: &Mesh, c: &mut Checker) {
     for (i, load) in model.loads.iter().enumerate() {
         let key = format!("loads[{i}].on");
         match load.part() {
             LoadedPart::Nodes if model.bodies.iter().any(|body| body.name == load.on()) => {
-                super::bodies::load_on_body(model, load, &format!("loads[{i}].on"), mesh, &mut c);
+                super::bodies::load_on_body(model, load, &format!("loads[{i}].on"), mesh, c);
             }
             LoadedPart::Nodes if mesh.quads.is_empty() && !model.bodies.is_empty() => {
                 c.missing(key, "body", load.on(), model.bodies.iter().map(|body| &body.name));
@@ -239,22 +274,10 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
         }
         c.distribution(model, mesh, (&format!("loads[{i}].distribution"), load));
     }
-    for (i, p) in model.prescribed_strains.iter().enumerate() {
-        drop(c.set(mesh, format!("prescribed_strains[{i}].on"), p.on(), "quads", Mesh::quads_on));
-    }
-    for (i, mass) in model.masses.iter().enumerate() {
-        let key = format!("masses[{i}].on");
-        match mass {
-            AddedMass::Point(m) => drop(c.set(mesh, key, &m.on, "nodes", Mesh::nodes_on)),
-            AddedMass::Edge(m) => drop(c.set(mesh, key, &m.on, "edges", Mesh::edges_on)),
-            AddedMass::Area(m) => drop(c.set(mesh, key, &m.on, "quads", Mesh::quads_on)),
-        }
-    }
-    super::foundations::sets(model, mesh, &mut c);
-    super::ties::sets(model, mesh, &mut c);
-    for (i, v) in model.initial_velocities.iter().enumerate().filter(|(_, v)| !of_bodies(model, mesh, v)) {
-        drop(c.set(mesh, format!("initial_velocities[{i}].on"), &v.on, "nodes", Mesh::nodes_on));
-    }
+}
+
+/// Places and sets of recorded points.
+fn points_of(model: &Model, mesh: &Mesh, c: &mut Checker) {
     for (i, p) in model.output.points.iter().enumerate() {
         if let (None, Some(at)) = (&p.on, p.at)
             && let Err((message, help)) = mesh.node_near(&p.name, Vec3::from(at))
@@ -273,9 +296,6 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             }
         }
     }
-    super::cuts::sets(model, mesh, &mut c);
-    c.issues.extend(orphan_nodes(model, mesh));
-    c.issues
 }
 
 /// Whether initial velocities are those of a body, of a beam or of the whole model, in place of a set.

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::checker::Checker;
 use crate::load::PlaceCondition;
 use crate::mesh::Mesh;
-use crate::mesh::sets::{ALL, RENAME_ALL};
+use crate::mesh::sets::{ALL, RENAME_ALL, undirected};
 use crate::model::{
     BoundarySet, BoxSet, CombinedSet, CylinderSet, FormulaSet, MeshSet, NormalSet, PlaneSet, SphereSet,
 };
@@ -190,12 +190,11 @@ fn on_plane(mesh: &Mesh, (key, keys): (&str, &PlaneSet), c: &mut Checker) -> Mem
     let nodes: BTreeSet<u32> = base.members.nodes.iter().copied().collect();
     // The line in which the plane cuts elements that have edges on it; elements that lie in the plane have no such line.
     let mut edges: BTreeMap<[u32; 2], [u32; 2]> =
-        base.members.edges.iter().map(|edge| (undirected(*edge), *edge)).collect();
-    for quad in base.members.quads.iter().filter_map(|&q| mesh.quads.get(q as usize)) {
-        if !quad.iter().all(|&node| lies(node)) {
-            let sides = (0..4).map(|i| [quad[i], quad[(i + 1) % 4]]);
-            let sides = sides.filter(|side| side.iter().all(|node| nodes.contains(node)));
-            sides.for_each(|edge| _ = edges.entry(undirected(edge)).or_insert(edge));
+        base.members.edges.iter().map(|edge| (undirected(edge), *edge)).collect();
+    for &quad in &base.members.quads {
+        if !mesh.sides(quad).all(|[node, _]| lies(node)) {
+            let sides = mesh.sides(quad).filter(|side| side.iter().all(|node| nodes.contains(node)));
+            sides.for_each(|edge| _ = edges.entry(undirected(&edge)).or_insert(edge));
         }
     }
     base.members.edges = edges.into_values().collect();
@@ -269,15 +268,11 @@ fn by_normal(mesh: &Mesh, (key, keys): (&str, &NormalSet), c: &mut Checker) -> M
     let limit = keys.angle.to_radians() + TOLERANCE;
     let near = |q: &u32| mesh.normal(*q).is_some_and(|normal| normal.angle(&direction) <= limit);
     let quads: Vec<u32> = base.members.quads.into_iter().filter(near).collect();
-    let corners = |q: &u32| mesh.quads.get(*q as usize).copied();
-    let sides: BTreeSet<[u32; 2]> = quads
-        .iter()
-        .filter_map(corners)
-        .flat_map(|quad| (0..4).map(move |i| undirected([quad[i], quad[(i + 1) % 4]])))
-        .collect();
+    let sides: BTreeSet<[u32; 2]> =
+        quads.iter().flat_map(|&quad| mesh.sides(quad)).map(|side| undirected(&side)).collect();
     let of_quads: BTreeSet<u32> = sides.iter().flatten().copied().collect();
     let nodes = base.members.nodes.into_iter().filter(|node| of_quads.contains(node)).collect();
-    let edges = base.members.edges.into_iter().filter(|edge| sides.contains(&undirected(*edge))).collect();
+    let edges = base.members.edges.into_iter().filter(|edge| sides.contains(&undirected(edge))).collect();
     Members { nodes, edges, quads }
 }
 
@@ -322,24 +317,30 @@ fn combined(
     }
     let sets: Vec<Members> =
         of.iter().enumerate().map(|(i, name)| named(mesh, (&format!("{key}.of[{i}]"), name), c)).collect();
-    let lists = |list: fn(&Members) -> Vec<[u32; 2]>| sets.iter().map(list).collect::<Vec<_>>();
-    let single = |list: &[u32]| list.iter().map(|&n| [n, n]).collect::<Vec<_>>();
-    let pick = |lists: Vec<Vec<[u32; 2]>>| {
+    let kept = |member: fn(&Members) -> Vec<[u32; 2]>| -> Vec<[u32; 2]> {
         let mut found: BTreeMap<[u32; 2], (usize, bool, [u32; 2])> = BTreeMap::new();
-        for (i, list) in lists.into_iter().enumerate() {
-            for member in list {
-                let entry = found.entry(undirected(member)).or_insert((0, i == 0, member));
-                entry.0 += 1;
+        for (i, set) in sets.iter().enumerate() {
+            for edge in member(set) {
+                found.entry(undirected(&edge)).or_insert((0, i == 0, edge)).0 += 1;
             }
         }
-        let kept = found.into_values().filter(|(holding, first, _)| keeps(*holding, *first));
-        kept.map(|(.., member)| member).collect::<Vec<_>>()
+        found
+            .into_values()
+            .filter(|(holding, first, _)| keeps(*holding, *first))
+            .map(|(.., edge)| edge)
+            .collect()
     };
-    let nodes = pick(sets.iter().map(|set| single(&set.nodes)).collect());
-    let quads = pick(sets.iter().map(|set| single(&set.quads)).collect());
-    let edges = pick(lists(|set| set.edges.clone()));
     let first = |list: Vec<[u32; 2]>| list.into_iter().map(|[n, _]| n).collect();
-    Members { nodes: first(nodes), edges, quads: first(quads) }
+    Members {
+        nodes: first(kept(|set| loops(&set.nodes))),
+        edges: kept(|set| set.edges.clone()),
+        quads: first(kept(|set| loops(&set.quads))),
+    }
+}
+
+/// Nodes or elements as edges from each to itself.
+fn loops(list: &[u32]) -> Vec<[u32; 2]> {
+    list.iter().map(|&n| [n, n]).collect()
 }
 
 /// A unit vector; an issue where a direction has no length.
@@ -349,10 +350,6 @@ fn direction((key, value): (&str, &[f64; 3]), c: &mut Checker) -> Option<Vec3> {
         c.add(key, "the direction has no length", "give three numbers that are not all 0");
     }
     unit
-}
-
-fn undirected([a, b]: [u32; 2]) -> [u32; 2] {
-    [a.min(b), a.max(b)]
 }
 
 #[cfg(test)]

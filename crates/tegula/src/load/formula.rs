@@ -15,7 +15,7 @@ mod poles;
 
 pub use force::{ForceFormula, Partials};
 use jet::{Function, Jet};
-use parse::{Instruction, LONGEST, Names, evaluate, parse};
+use parse::{EXTREMES, Instruction, KINKED, LONGEST, Names, evaluate, parse};
 pub use place::{PlaceCondition, PlaceFormula};
 
 use super::TimeFunction;
@@ -78,6 +78,12 @@ pub(super) fn read(text: &str) -> Result<TimeFunction, (String, String)> {
 /// Names of the smooth functions.
 fn functions() -> Vec<&'static str> {
     Function::NAMED.iter().map(|(name, _)| *name).collect()
+}
+
+/// Names of all functions, also those with kinks.
+fn all_functions() -> String {
+    let kinked = KINKED.map(|(name, _)| name).into_iter().chain(EXTREMES.map(|(name, _)| name));
+    functions().into_iter().chain(kinked).collect::<Vec<_>>().join(", ")
 }
 
 /// Program of a formula with these names; remedies for invalid formulas and for those that are too long.

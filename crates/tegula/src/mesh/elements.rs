@@ -15,6 +15,12 @@ impl Mesh {
         self.facet(quad)?.area_vector().try_normalize(0.0)
     }
 
+    /// Sides of a quad, each from one corner to the next; none if the index is out of range.
+    pub(crate) fn sides(&self, quad: u32) -> impl Iterator<Item = [u32; 2]> {
+        let corners = self.quads.get(quad as usize).copied();
+        corners.into_iter().flat_map(|quad| (0..4).map(move |i| [quad[i], quad[(i + 1) % 4]]))
+    }
+
     fn facet(&self, quad: u32) -> Option<Facet> {
         Facet::of(self, self.quads.get(quad as usize)?)
     }

@@ -249,7 +249,7 @@ impl Mesh {
 }
 
 /// The edge's nodes, smaller first.
-fn undirected(edge: &[u32; 2]) -> [u32; 2] {
+pub(crate) fn undirected(edge: &[u32; 2]) -> [u32; 2] {
     [edge[0].min(edge[1]), edge[0].max(edge[1])]
 }
 

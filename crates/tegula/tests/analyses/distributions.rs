@@ -58,6 +58,18 @@ fn distributed_loads_have_the_resultants_of_their_integrals() {
     assert_near(sum(&force, |_| 1.0), v * (0.5 + 1.0 / 6.0), "force at y = 2/3 and 1");
 }
 
+/// A hill narrower than an element: ∫ exp(−r²/s²) dA = π s², of which a thousandth is lost beside the plate.
+#[test]
+fn distributions_that_vary_within_elements_keep_their_total() {
+    let hill = "exp(-((x - 0.93)^2 + (y - 0.47)^2)/0.15^2)";
+    let m = loaded(Load::Traction(vector_load("all", [0.0, 0.0, 1.0], hill)));
+    let found = sum(&m, |_| 1.0).z / (std::f64::consts::PI * 0.15 * 0.15);
+    assert!((found - 1.0).abs() < 2e-3, "{found}");
+    let m = loaded(Load::Edge(vector_load("u_max", [0.0, 0.0, 1.0], "exp(-(y - 0.47)^2/0.1^2)")));
+    let found = sum(&m, |_| 1.0).z / (std::f64::consts::PI.sqrt() * 0.1);
+    assert!((found - 1.0).abs() < 2e-3, "{found}");
+}
+
 /// The pressure of each element is the mean of the formula over it, so that its force is exact.
 #[test]
 fn a_distributed_pressure_pushes_with_the_mean_of_its_formula() {

@@ -592,12 +592,7 @@ fn a_body_on_two_hinges_rests_under_a_moment() {
         revolute("right", "ground", "block", [0.8, 0.0, 0.0], z),
     ];
     let mut model = machine(0.2, 0.01, vec![body("block", [0.4, 0.0, 0.0], 1.0, Some([0.1; 3]))], hinges);
-    model.loads = vec![Load::Moment(VectorLoad {
-        on: "block".into(),
-        value: [0.0, 0.0, 0.5],
-        amplitude: None,
-        distribution: None,
-    })];
+    model.loads = vec![Load::Moment(VectorLoad::new("block", [0.0, 0.0, 0.5]))];
     let (system, state) = run(&model, &mut Notes::default());
     let (place, _) = pose(&system, &state, 0);
     assert!((place - Vec3::new(0.4, 0.0, 0.0)).norm() < 1e-12, "{place}");

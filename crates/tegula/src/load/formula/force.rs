@@ -4,7 +4,7 @@ use super::branches::Branched;
 use super::gradient::Gradient;
 use super::parse::{EXTREMES, Instruction, KINKED, Names, evaluate};
 use super::poles;
-use super::{functions, program, quoted};
+use super::{all_functions, program, quoted};
 
 const OF_SPRINGS: Names = Names { variables: &["x", "v", "t"], kinks: true };
 
@@ -33,12 +33,10 @@ impl ForceFormula {
     /// The text is not a valid formula: description of the mistake, and remedy.
     pub(crate) fn read(text: &str) -> Result<Self, (String, String)> {
         let remedy = || {
-            let kinked = KINKED.map(|(name, _)| name).into_iter().chain(EXTREMES.map(|(name, _)| name));
-            let names: Vec<&str> = functions().into_iter().chain(kinked).collect();
             format!(
                 "write a formula in `x` (from the free length or angle), its rate `v` and the time `t`, with numbers for all constants, such as \
                  \"1e3*x + 2e4*x^3 + 15*v*abs(v)\", with the operators + - * / ^ and the functions {}",
-                names.join(", ")
+                all_functions()
             )
         };
         let program = program(text, OF_SPRINGS, (remedy, "split the force among several springs"))?;

@@ -1,8 +1,8 @@
 //! Formulas in the coordinates `x`, `y` and `z` of a place, and inequalities between them.
 
 use super::gradient::Gradient;
-use super::parse::{EXTREMES, Instruction, KINKED, Names, evaluate};
-use super::{functions, program, quoted};
+use super::parse::{Instruction, Names, evaluate};
+use super::{all_functions, program, quoted};
 use crate::Vec3;
 
 const OF_PLACES: Names = Names { variables: &["x", "y", "z"], kinks: true };
@@ -22,7 +22,7 @@ impl PlaceFormula {
         let remedy = || {
             format!(
                 "write a formula in the coordinates `x`, `y` and `z`, such as \"1 - z/2\", with the operators + - * / ^ and the functions {}",
-                names_of_functions()
+                all_functions()
             )
         };
         let program = program(text, OF_PLACES, (remedy, "split the load into several"))?;
@@ -108,17 +108,11 @@ impl PlaceCondition {
     }
 }
 
-/// Names of all functions, for messages.
-fn names_of_functions() -> String {
-    let kinked = KINKED.map(|(name, _)| name).into_iter().chain(EXTREMES.map(|(name, _)| name));
-    functions().into_iter().chain(kinked).collect::<Vec<_>>().join(", ")
-}
-
 fn remedy() -> String {
     format!(
         "write inequalities in `x`, `y` and `z` with < <= > >=, joined by `and` and `or`, such as \"0 <= x < 0.5 and sqrt(y^2 + z^2) >= 2\", with \
          the operators + - * / ^ and the functions {}",
-        names_of_functions()
+        all_functions()
     )
 }
 
