@@ -91,20 +91,29 @@ impl OutputError {
 /// Writes a file whole or not at all.
 ///
 /// `write` receives a buffered writer. When it returns an error, an earlier file of that name stays untouched
-/// and nothing is left behind.
+/// and nothing is left behind. A symbolic link stays and the file that it names is written; devices and pipes, as
+/// `/dev/stdout`, are written to and never replaced.
 pub fn write_whole(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), OutputError> {
     let failed = |cause| OutputError::write(path, cause);
-    let folder = folder_of(path);
+    let target = match Destination::of(path).map_err(failed)? {
+        Destination::File(target) => target,
+        Destination::Stream => {
+            let stream = std::fs::OpenOptions::new().write(true).open(path).map_err(failed)?;
+            let mut buffered = BufWriter::with_capacity(1 << 16, stream);
+            return write(&mut buffered).and_then(|()| buffered.flush()).map_err(failed);
+        }
+    };
+    let folder = folder_of(&target);
     let mut temporary = temporary_in(folder).map_err(failed)?;
     {
         let mut buffered = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
         write(&mut buffered).and_then(|()| buffered.flush()).map_err(failed)?;
     }
     temporary.as_file().sync_all().map_err(failed)?;
-    temporary.persist(path).map_err(|e| failed(e.error))?;
+    temporary.persist(&target).map_err(|e| failed(e.error))?;
     // The rename itself reaches the disk with the folder's entry; not every file system can promise that.
     #[cfg(unix)]
     if let Ok(folder) = std::fs::File::open(folder) {
@@ -123,6 +132,37 @@ pub fn write_over(path: &Path, contents: &[u8]) -> Result<(), OutputError> {
         file.sync_all()
     };
     write().map_err(|cause| OutputError::write(path, cause))
+}
+
+/// Place that a path leads to.
+pub(crate) enum Destination {
+    /// A file, which may be there or not; symbolic links are followed.
+    File(PathBuf),
+    /// A device or pipe: to be written to, not replaced by a file of its name.
+    Stream,
+}
+
+impl Destination {
+    /// Destination of `path`; an error for a folder and for links that lead in a circle.
+    pub(crate) fn of(path: &Path) -> io::Result<Self> {
+        match std::fs::metadata(path) {
+            Ok(found) if found.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+            Ok(found) if !found.is_file() => Ok(Self::Stream),
+            // What was opened before its name was removed has a link, but no path.
+            Ok(_) => std::fs::canonicalize(path).map_or(Ok(Self::Stream), |path| Ok(Self::File(path))),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Self::File(named_by_links(path))),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+/// The path at the end of symbolic links to a file that is not there; `path` itself where it is no link.
+fn named_by_links(path: &Path) -> PathBuf {
+    let mut path = path.to_path_buf();
+    while let Ok(next) = std::fs::read_link(&path) {
+        path = folder_of(&path).join(next);
+    }
+    path
 }
 
 /// The folder that holds `path`, `.` for a bare name.
@@ -207,5 +247,32 @@ mod tests {
         fs::write(&plain, "x").unwrap();
         let mode = |p: &Path| fs::metadata(p).unwrap().permissions().mode();
         assert_eq!(mode(&whole), mode(&plain));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_pipes_are_written_through() {
+        let folder = tempfile::tempdir().unwrap();
+        let [file, link, pipe] = ["file", "link", "pipe"].map(|name| folder.path().join(name));
+        std::os::unix::fs::symlink("file", &link).unwrap();
+        // At first the link leads to nothing.
+        for text in ["first", "second"] {
+            write_whole(&link, |w| w.write_all(text.as_bytes())).unwrap();
+            assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+            assert_eq!(fs::read_to_string(&file).unwrap(), text);
+        }
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || fs::read_to_string(pipe).unwrap()
+        });
+        write_whole(&pipe, |w| w.write_all(b"through")).unwrap();
+        assert_eq!(reader.join().unwrap(), "through");
+        use std::os::unix::fs::FileTypeExt;
+        assert!(fs::symlink_metadata(&pipe).unwrap().file_type().is_fifo());
+        let circle = folder.path().join("circle");
+        std::os::unix::fs::symlink("circle", &circle).unwrap();
+        assert!(write_whole(&circle, |_| Ok(())).is_err());
+        assert!(write_whole(folder.path(), |_| Ok(())).is_err());
     }
 }

@@ -26,6 +26,7 @@ pub mod vtu_file;
 
 pub use checkpoint::{fingerprint, load_checkpoint, save_checkpoint};
 pub use csv::HistoryWriter;
+pub(crate) use file::Destination;
 pub use file::{OutputError, write_over, write_whole};
 pub use pvd::PvdSeries;
 pub use text::printable;

@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::out::{OutputError, write_whole};
+use crate::out::{Destination, OutputError, write_whole};
 use crate::plot::{SurfacePlot, surfaces::pixels};
 
 /// Speed of the choice of 256 colours, from 1, best, to 30.
@@ -107,7 +107,10 @@ fn mp4(
     if width % 2 == 1 || height % 2 == 1 {
         return Err(refused(format!("an MP4 film has even numbers of pixels, not {width} × {height}")));
     }
-    let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let Ok(Destination::File(target)) = Destination::of(file) else {
+        return Err(refused("an MP4 film goes into a file, not into a folder, device or pipe".into()));
+    };
+    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let kept = tempfile::Builder::new().prefix(".film").suffix(".mp4").tempfile_in(folder);
     let kept = kept.map_err(|error| refused(format!("it cannot be written: {error}")))?.into_temp_path();
     let mut command = Command::new("ffmpeg");
@@ -144,5 +147,5 @@ fn mp4(
             said.lines().last().unwrap_or("it said nothing")
         )));
     }
-    kept.persist(file).map_err(|error| refused(format!("it cannot be written: {error}")))
+    kept.persist(&target).map_err(|error| refused(format!("it cannot be written: {error}")))
 }

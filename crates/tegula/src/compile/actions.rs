@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::{StepModel, Vectors};
 use crate::element::Nodal;
 use crate::element::geometry::{
-    GAUSS, PARTS, ShellGeometry, centres_of_parts, nodal_areas, shell_mass, tangents, weighted_nodal_areas,
+    ShellGeometry, nodal_areas, shell_mass, tangents, weighted_nodal_areas, weighted_nodal_lengths,
 };
 use crate::load::{FollowerLoad, LoadFactor, OwnLoad, PlaceFormula};
 use crate::mesh::Mesh;
@@ -394,22 +394,13 @@ impl<'a> Loaded<'a> {
         self.distribution.as_ref().map_or(1.0, |formula| formula.value(place))
     }
 
-    /// Integrals of both shape functions over an edge, times the factor, by the Gauss rule with two points in each of some parts.
+    /// Integrals of both shape functions over an edge, times the factor.
     fn shares(&self, edge: [u32; 2]) -> [f64; 2] {
-        let [a, b] = edge.map(|n| self.mesh.positions[n as usize]);
-        let half = 0.5 * (a - b).norm();
-        if self.distribution.is_none() {
-            return [half; 2];
+        let ends = edge.map(|n| self.mesh.positions[n as usize]);
+        match &self.distribution {
+            None => [0.5 * (ends[0] - ends[1]).norm(); 2],
+            Some(_) => weighted_nodal_lengths(ends, |x| self.factor_at(x)),
         }
-        let mut out = [0.0; 2];
-        let part = 1.0 / f64::from(PARTS);
-        let places = centres_of_parts().flat_map(|centre| [-GAUSS, GAUSS].map(|x| centre + part * x));
-        for xi in places {
-            let shape = [0.5 * (1.0 - xi), 0.5 * (1.0 + xi)];
-            let weight = half * part * self.factor_at(&(a * shape[0] + b * shape[1]));
-            (0..2).for_each(|i| out[i] += weight * shape[i]);
-        }
-        out
     }
 
     /// Body that a number behind those of the nodes stands for.

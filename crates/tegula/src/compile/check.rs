@@ -403,26 +403,6 @@ impl Checker {
         }
     }
 
-    /// Reports a distribution of a load on a body, and one that has no value in a node.
-    fn distribution(&mut self, model: &Model, mesh: &Mesh, (key, load): (&str, &Load)) {
-        let Some(formula) = load.distribution().and_then(|text| PlaceFormula::read(text).ok()) else {
-            return;
-        };
-        if model.bodies.iter().any(|body| body.name == load.on()) {
-            return self.add(key, "a load on a body acts in one point", "leave the distribution out");
-        }
-        let nodes = mesh.nodes_on(load.on()).unwrap_or_default();
-        let undefined = nodes.iter().find(|&&n| !formula.value(&mesh.positions[n as usize]).is_finite());
-        if let Some(&node) = undefined {
-            let place = crate::mesh::show(mesh.positions[node as usize]);
-            self.add(
-                key,
-                format!("the distribution has no value at node {}, at {place}", mesh.node_label(node)),
-                "look for a division by 0, a root or logarithm of a negative number, and numbers above 1e308",
-            );
-        }
-    }
-
     /// Members of a set; an issue if it does not exist or is empty.
     pub(super) fn set<T>(
         &mut self,

@@ -17,6 +17,7 @@ mod closing;
 mod congruence;
 mod couplings;
 mod cuts;
+mod distributions;
 mod force_sets;
 mod foundations;
 mod guided_axes;

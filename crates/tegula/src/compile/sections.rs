@@ -130,6 +130,7 @@ impl Section {
         }
         Some(CompiledSection {
             thickness,
+            offset,
             inertia,
             isotropic: alike && layers.iter().all(|l| l.material.is_isotropic()),
             layers,

@@ -25,7 +25,7 @@
 //!
 //! K, and likewise the metric of the reference, are those that the strain operator of the element gives for the sampled
 //! products of the reference. A similarity is therefore free of stress up to rounding on any mesh, although assumed
-//! strains are not the strains of the point.
+//! strains are not the strains of the point. Heights z, e and K are those of the middle surface of the layers.
 
 use nalgebra::{DMatrix, Matrix2, Matrix3, SMatrix, SVector, Vector3, Vector6};
 
@@ -78,8 +78,8 @@ impl ReferenceMetric {
         }
     }
 
-    /// Part of a prescribed strain of the section that is due to curvature.
-    fn part_of(&self, free: &FreeStrain, unit_directors: bool) -> CurvedStrain {
+    /// Part of a prescribed strain of the section that is due to curvature; the middle of the layers has the height `offset`.
+    fn part_of(&self, free: &FreeStrain, offset: f64, unit_directors: bool) -> CurvedStrain {
         let k = in_plane(&self.curvature);
         let e = in_plane(&free.strain);
         let stretch = if unit_directors { 0.0 } else { free.stretch };
@@ -94,7 +94,8 @@ impl ReferenceMetric {
             section: free.strain,
             across: if unit_directors { free.thickness } else { free.stretch },
             lost: if unit_directors { self.of_director * free.thickness } else { Vector6::zeros() },
-            membrane: -released.fixed_rows::<3>(0),
+            // Strains of `added` vanish at the middle of the layers.
+            membrane: added * offset - released.fixed_rows::<3>(0),
             curvature: added - released.fixed_rows::<3>(6),
         }
     }
@@ -103,7 +104,7 @@ impl ReferenceMetric {
 /// Strains of a section without load.
 #[derive(Debug, Clone, Copy)]
 struct FreeStrain {
-    /// ε_xx, ε_yy, 2ε_xy of the reference surface.
+    /// ε_xx, ε_yy, 2ε_xy of the middle of the layers.
     strain: Vector3<f64>,
     /// Mean strain across the thickness.
     thickness: f64,
@@ -126,7 +127,7 @@ pub struct CurvedStrain {
     across: f64,
     /// Strains that the director would take on if it were extensible.
     lost: Vector6<f64>,
-    /// Added strains ε_xx, ε_yy, 2ε_xy at every height.
+    /// Added strains ε_xx, ε_yy, 2ε_xy at the height 0.
     membrane: Vector3<f64>,
     /// Added curvatures κ_xx, κ_yy, 2κ_xy.
     pub curvature: Vector3<f64>,
@@ -195,7 +196,7 @@ impl CompiledSection {
         let Some(metric) = metric else { return Ok(vec![CurvedStrain::none(); prescribed.len()]) };
         let of_field = |p: &Option<&PrescribedStrain>| match p {
             Some(p @ (PrescribedStrain::Thermal(_) | PrescribedStrain::Natural(_))) => {
-                Ok(metric.part_of(&self.free_strain(p, frame)?, element.unit_directors()))
+                Ok(metric.part_of(&self.free_strain(p, frame)?, self.offset, element.unit_directors()))
             }
             _ => Ok(CurvedStrain::none()),
         };
@@ -233,7 +234,8 @@ impl CompiledSection {
         let inverse = if self.layers.len() > 1 { stiffness.try_inverse() } else { None };
         let flexibility = inverse.unwrap_or_else(SMatrix::zeros);
         let of_plies = mean.fixed_rows::<3>(0).into_owned();
-        let strain = section.as_ref().map_or(of_plies, |s| Vector3::new(s[0], s[1], s[2]));
+        let strain =
+            section.as_ref().map_or(of_plies, |s| s.fixed_rows::<3>(0) - s.fixed_rows::<3>(6) * self.offset);
         let stretch = section.as_ref().map_or(mean[3], |s| s[3]);
         Ok(FreeStrain { strain, thickness: mean[3] - contraction, stretch, second_moment, flexibility })
     }

@@ -26,6 +26,12 @@
 //! | 2ε̃xz | C(0,−1), D(0,1) (ANS, eq. 33) | 2 | r,ξ·d |
 //! | 2ε̃yz | A(−1,0), B(1,0) | 2 | r,η·d |
 //!
+//! The strains are those of the middle surface of the layers, and the paper's nodes lie on it. Where it lies at the height
+//! e above the nodes ([`EmsShell::offset`]), its positions are `r + e d`, bilinear, too: all of the above is taken for them,
+//! so that the result does not depend on the surface that the mesh describes. A strain linear in z about the nodes would:
+//! the part `½ z² d,i·d,j` of the Green–Lagrange strain, which it leaves out, is large wherever e is long compared with a
+//! radius of curvature, however small the strains of the shell are.
+//!
 //! With a linear material the energy is `½ sᵀ H s`. The condition on the enhanced parameters (eq. 36) is linear in α
 //! with constant matrices, so static condensation eliminates α once, `H ← H − K_αsᵀ K_αα⁻¹ K_αs`, without iterations
 //! and stored parameters.
@@ -72,7 +78,7 @@ const KXY: usize = 12;
 const SHEAR: usize = 16;
 
 /// ANCF EMS shell with its locking remedies, each of which can be switched off to show the locking that it cures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EmsShell {
     /// Assumed natural strain for transverse shear (eq. 33).
     pub ans_shear: bool,
@@ -80,11 +86,13 @@ pub struct EmsShell {
     pub ans_thickness: bool,
     /// Membrane formulation; the paper's is [`Membrane::Eas`], 4 parameters (eqs. 27–31).
     pub membrane: Membrane,
+    /// e: height of the middle of the layers above the nodes, along the directors (length); 0 in the paper.
+    pub offset: f64,
 }
 
 impl Default for EmsShell {
     fn default() -> Self {
-        Self { ans_shear: true, ans_thickness: true, membrane: Membrane::Eas }
+        Self { ans_shear: true, ans_thickness: true, membrane: Membrane::Eas, offset: 0.0 }
     }
 }
 
@@ -113,7 +121,8 @@ impl EmsShell {
     /// Table of the sampled strains; `S` is their number, or 4 less to leave out the thickness strains.
     pub fn strains<const S: usize>(&self) -> SampledStrains<VECTORS, COORDINATES, S, DIRECTIONS> {
         let mut t = SampledStrains::new();
-        let position = |n: [f64; 4]| std::array::from_fn(|a| if a < 4 { n[a] } else { 0.0 });
+        let position =
+            |n: [f64; 4]| std::array::from_fn(|a| if a < 4 { n[a] } else { self.offset * n[a - 4] });
         let director = |n: [f64; 4]| std::array::from_fn(|a| if a < 4 { 0.0 } else { n[a - 4] });
         let r_xi = [-GAUSS, GAUSS].map(|eta| t.direction(position(shape_xi(eta))));
         let r_eta = [-GAUSS, GAUSS].map(|xi| t.direction(position(shape_eta(xi))));
@@ -174,14 +183,35 @@ impl EmsShell {
         t.strains(&[[0.0; 3]; DIRECTIONS], &t.directions(&vectors), true).to_vec()
     }
 
+    /// Element with its nodes on the middle surface of the layers.
+    fn on_middle(&self, g: &ShellGeometry) -> ShellGeometry {
+        let mut g = *g;
+        for (x, d) in g.positions.iter_mut().zip(&g.directors) {
+            *x += d * self.offset;
+        }
+        g
+    }
+
     /// Strain operator at a Gauss point, from sampled strains and enhanced parameters.
     ///
     /// # Errors
-    /// The cross-section frame is not defined there: collapsed element or director in the surface.
+    /// The cross-section frame is not defined there: collapsed element or director in the surface. The layers lie beyond
+    /// the centre of curvature of the surface.
     pub fn point_strains(&self, g: &ShellGeometry, point: usize) -> Result<PointStrains, String> {
         let [xi, eta] = GAUSS_POINTS[point];
         let (i_xi, i_eta) = (point % 2, point / 2);
-        let base = covariant_base(&g.positions, &g.directors, xi, eta);
+        let middle = self.on_middle(g);
+        let base = covariant_base(&middle.positions, &middle.directors, xi, eta);
+        if self.offset != 0.0 {
+            let of_nodes = covariant_base(&g.positions, &g.directors, xi, eta);
+            if base.determinant() * of_nodes.determinant() <= 0.0 {
+                return Err(format!(
+                    "the middle of its layers, at the offset {}, lies beyond the centre of curvature of the mesh",
+                    self.offset
+                ));
+            }
+        }
+        let g = &middle;
         let frame = cross_section_frame(&base)
             .ok_or("its director lies in the surface or vanishes: no cross-section frame")?;
         let b = frame.transpose() * base;
@@ -270,14 +300,15 @@ impl EmsShell {
                 })
             })
             .collect::<Result<Vec<_>, String>>()?;
-        assumed_shear(g, &points).ok_or_else(|| "its in-plane shear strains are not independent".into())
+        assumed_shear(&self.on_middle(g), &points)
+            .ok_or_else(|| "its in-plane shear strains are not independent".into())
     }
 }
 
 impl FromSection for EmsShell {
     fn from_section(section: &Section, _: f64, _: bool) -> Self {
         let Section { ans_shear, ans_thickness, .. } = *section;
-        Self { ans_shear, ans_thickness, membrane: section.membrane_part() }
+        Self { ans_shear, ans_thickness, membrane: section.membrane_part(), offset: section.offset() }
     }
 }
 
@@ -304,13 +335,14 @@ impl ShellElement for EmsShell {
         false
     }
 
-    /// A fibre at the height z stretches by ε − z κ; transverse strains are those of the mid-surface.
+    /// A fibre at the height z stretches by ε − (z − e) κ; transverse strains are those of the mid-surface.
     fn operator(&self, g: &ShellGeometry, point: usize, z: f64) -> Result<StrainOperator, String> {
         let p = self.point_strains(g, point)?;
         let mut samples = DMatrix::zeros(6, self.samples());
         for j in 0..self.samples() {
             for i in 0..6 {
-                samples[(i, j)] = p.matrix[(i, j)] - if i < 3 { z * p.matrix[(6 + i, j)] } else { 0.0 };
+                let bent = if i < 3 { (z - self.offset) * p.matrix[(6 + i, j)] } else { 0.0 };
+                samples[(i, j)] = p.matrix[(i, j)] - bent;
             }
         }
         if self.membrane == Membrane::AssumedShear {
@@ -338,14 +370,15 @@ impl ShellElement for EmsShell {
         } else {
             self.products::<SAMPLES_WITHOUT_ANS_SHEAR>(g)
         };
-        let (middle, above) = (self.operator(g, point, 0.0)?, self.operator(g, point, 1.0)?);
+        let [middle, above] = [0.0, 1.0].map(|height| self.operator(g, point, self.offset + height));
+        let (middle, above) = (middle?, above?);
         let parts = (KXX, products.len() - self.zz());
         let operators = [&middle.samples, &above.samples];
         Ok(Some(ReferenceMetric::new(operators, &products, parts, middle.measure.sqrt())))
     }
 
     fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64> {
-        shell_mass(g, inertia)
+        shell_mass(&self.on_middle(g), inertia)
     }
 
     fn builder(&self, setup: GroupSetup) -> Box<dyn GroupBuilder> {

@@ -204,10 +204,10 @@ pub fn nodal_areas(positions: &[Vec3; 4]) -> [f64; 4] {
 }
 
 /// Parts along each side into which an element is cut where a factor of the place is integrated.
-pub const PARTS: u32 = 4;
+const PARTS: u32 = 4;
 
 /// Centres of the parts of the interval from −1 to 1.
-pub fn centres_of_parts() -> impl Iterator<Item = f64> {
+fn centres_of_parts() -> impl Iterator<Item = f64> {
     (0..PARTS).map(|i| (2.0 * f64::from(i) + 1.0) / f64::from(PARTS) - 1.0)
 }
 
@@ -225,6 +225,18 @@ pub fn weighted_nodal_areas(positions: &[Vec3; 4], factor: impl Fn(&Vec3) -> f64
         for (out, n) in out.iter_mut().zip(shape) {
             *out += n * area * factor(&place);
         }
+    }
+    out
+}
+
+/// Integral ∫N_a φ ds of both shape functions of a straight edge times a factor φ of the place, by the Gauss rule with two points in each of [`PARTS`]
+/// parts.
+pub fn weighted_nodal_lengths([a, b]: [Vec3; 2], factor: impl Fn(&Vec3) -> f64) -> [f64; 2] {
+    let (mut out, part) = ([0.0; 2], 1.0 / f64::from(PARTS));
+    for xi in centres_of_parts().flat_map(|centre| [-GAUSS, GAUSS].map(|x| centre + part * x)) {
+        let shape = [0.5 * (1.0 - xi), 0.5 * (1.0 + xi)];
+        let weight = 0.5 * part * (a - b).norm() * factor(&(a * shape[0] + b * shape[1]));
+        (0..2).for_each(|i| out[i] += weight * shape[i]);
     }
     out
 }

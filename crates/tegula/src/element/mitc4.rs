@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 
 use super::curved_strain::ReferenceMetric;
 use super::ems::EmsShell;
-use super::geometry::{ShellGeometry, shell_mass};
+use super::geometry::ShellGeometry;
 use super::membrane::Membrane;
 use super::registry::FromSection;
 use super::shell::{GroupBuilder, GroupSetup, QuadraticBuilder, ShellElement, StrainOperator};
@@ -24,25 +24,28 @@ const SAMPLES: usize = 20;
 const SAMPLES_WITHOUT_ANS_SHEAR: usize = 24;
 
 /// MITC4 shell element with its locking remedies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mitc4 {
     /// Assumed natural strain for transverse shear.
     pub ans_shear: bool,
     /// Membrane formulation.
     pub membrane: Membrane,
+    /// Height of the middle of the layers above the nodes, along the directors (length).
+    pub offset: f64,
 }
 
 impl Mitc4 {
     /// Element with extensible directors that supplies the strains; its sampled thickness strains come last and are
     /// omitted here.
     fn extensible(&self) -> EmsShell {
-        EmsShell { ans_shear: self.ans_shear, ans_thickness: true, membrane: self.membrane }
+        let Self { ans_shear, membrane, offset } = *self;
+        EmsShell { ans_shear, ans_thickness: true, membrane, offset }
     }
 }
 
 impl FromSection for Mitc4 {
     fn from_section(section: &Section, _: f64, _: bool) -> Self {
-        Self { ans_shear: section.ans_shear, membrane: section.membrane_part() }
+        Self { ans_shear: section.ans_shear, membrane: section.membrane_part(), offset: section.offset() }
     }
 }
 
@@ -85,7 +88,7 @@ impl ShellElement for Mitc4 {
     }
 
     fn mass(&self, g: &ShellGeometry, inertia: &SectionInertia) -> Vec<f64> {
-        shell_mass(g, inertia)
+        self.extensible().mass(g, inertia)
     }
 
     fn builder(&self, setup: GroupSetup) -> Box<dyn GroupBuilder> {

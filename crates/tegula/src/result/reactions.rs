@@ -36,7 +36,8 @@ pub struct Equilibrium {
     pub cuts: Vec<CutResultant>,
     /// Inertia and mass damping, about the origin.
     pub inertia: Resultant,
-    /// Resultant force of loads, reactions and inertia over the sum of their sizes.
+    /// Resultant force of loads, reactions and inertia over the sum of their sizes, or over that of the moments by the length of
+    /// the model.
     pub force_error: f64,
     /// Resultant moment about the middle of the model, over the sum of the sizes of the nodal moments.
     pub moment_error: f64,
@@ -351,10 +352,11 @@ impl Sum {
         }
     }
 
-    /// Errors of the balances of forces and moments, over the forces, or over `least` where these are smaller.
+    /// Errors of the balances of forces and moments, over the forces, or over `least` where these are smaller. Moments count as
+    /// the pairs of forces that they are at the distance `length`: the forces of a model under moments alone are round-off.
     fn errors(&self, least: f64, length: f64) -> (f64, f64) {
         let over = |sum: f64, scale: f64| if sum == 0.0 { 0.0 } else { sum / scale };
-        let forces = larger(self.forces, least);
+        let forces = larger(larger(self.forces, self.moments / length), least);
         let moments = larger(self.moments, least * length);
         (over(self.total.force.norm(), forces), over(self.total.moment.norm(), moments))
     }

@@ -58,6 +58,8 @@ impl Layer {
 pub struct CompiledSection {
     /// Total thickness (length).
     pub thickness: f64,
+    /// Height of the middle of the layers above the mesh (length).
+    pub offset: f64,
     /// Layers from the bottom to the top.
     pub layers: Vec<Layer>,
     /// Nonlinear material laws; empty if all materials are linear.

@@ -135,13 +135,18 @@ fn a_plate_under_hydrostatic_pressure_deflects_as_in_the_table_of_timoshenko() {
 fn distributions_without_meaning_are_refused() {
     for (distribution, message) in [
         ("", "is empty"),
-        ("1/x", "has no value at node 0, at (0.0, 0.0, 0.0)"),
-        ("sqrt(y - 0.5)", "has no value at node 0"),
+        ("1/x", "grows beyond all bounds, at (0.0, 0.0, 0.0)"),
+        ("sqrt(y - 0.5)", "has no value, or grows beyond all bounds, at (0.0, 0.0, 0.0)"),
+        ("1/(x - 0.77)", "at (0.77, "),
+        ("sqrt((x - 0.1)*(x - 0.15))", "at (0.1, "),
+        ("1/(x + 0.7*y - 0.9)^2", "has no value"),
         ("t", "unknown variable \"t\""),
         ("floor(x)", "cannot be differentiated"),
     ] {
         let m = loaded(Load::Traction(vector_load("all", [1.0; 3], distribution)));
         let mesh = generate(&m.mesh).unwrap();
+        let edge = loaded(Load::Edge(vector_load("v_min", [1.0; 3], distribution)));
+        assert!(build(&edge, &generate(&edge.mesh).unwrap()).is_err(), "{distribution}");
         let mut issues = check::keys(&m);
         issues.extend(check::sets(&m, &mesh));
         assert!(issues.iter().any(|i| i.message.contains(message)), "{distribution}: {issues:?}");

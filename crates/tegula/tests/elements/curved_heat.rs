@@ -94,6 +94,12 @@ fn sections(element: ElementKind) -> Vec<Section> {
     out.push(layup(element, &[("metal", 0.0), ("metal", 0.0)]));
     if element == ElementKind::Ems {
         out.push(Section { ans_thickness: false, ..plain });
+        // Directors that stretch with the surface take the mesh along.
+        out.extend([-0.1, 0.02].map(|offset| {
+            let mut beside = layup(element, &[("metal", 0.0), ("metal", 0.0)]);
+            beside.layup.as_mut().unwrap().offset = offset;
+            beside
+        }));
     }
     out
 }

@@ -45,6 +45,12 @@ fn laden() -> Vec<Section> {
             add("", &[("rubber", 0.0, 0.5), ("ply", 20.0, 0.5)]);
         }
     }
+    for element in [ElementKind::Ems, ElementKind::Mitc4] {
+        for material in ["m", "metal"] {
+            let beside = Layup { offset: -2.5 * H, ..layup(&[(material, 0.0, 0.4), ("ply", 20.0, 0.6)]) };
+            out.push(Section { element, layup: Some(beside), ..Section::new("", 0.0) });
+        }
+    }
     out
 }
 

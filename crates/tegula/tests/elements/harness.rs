@@ -86,6 +86,26 @@ impl Element {
         geometry: &ShellGeometry,
         fields: bool,
     ) -> Self {
+        let linear = section.compile(materials).unwrap().laws.is_empty();
+        // A prestress in resultants is not available for layers that yield: `check` refuses it.
+        let solid = registry::shell(section, H).is_solid();
+        let count = if !fields {
+            0
+        } else if linear || solid {
+            3
+        } else {
+            2
+        };
+        Self::with_strains(section, materials, geometry, &strains()[..count])
+    }
+
+    /// An element on which prescribed strains act.
+    pub fn with_strains(
+        section: &Section,
+        materials: &Materials,
+        geometry: &ShellGeometry,
+        strains: &[PrescribedStrain],
+    ) -> Self {
         let compiled = section.compile(materials).unwrap();
         let shell = registry::shell(section, compiled.thickness);
         let (mut kinds, mut reference) = (Vec::new(), Vec::<Nodal>::new());
@@ -100,10 +120,7 @@ impl Element {
             }
         }
         let linear = compiled.laws.is_empty();
-        // A prestress in resultants is not available for layers that yield: `check` refuses it.
-        let strains: Vec<_> =
-            strains().into_iter().take(if linear || shell.is_solid() { 3 } else { 2 }).collect();
-        let prescribed: Vec<_> = if fields { strains.iter().map(Some).collect() } else { Vec::new() };
+        let prescribed: Vec<_> = strains.iter().map(Some).collect();
         let vectors: Vec<u32> = (0..reference.len() as u32).collect();
         let setup =
             GroupSetup { laws: compiled.laws.clone(), fields: prescribed.len(), ..GroupSetup::default() };

@@ -19,6 +19,7 @@ mod kernel;
 mod material;
 mod material_keys;
 mod membrane;
+mod offset;
 mod patch;
 mod plies;
 mod totals;

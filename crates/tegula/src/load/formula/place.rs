@@ -2,7 +2,7 @@
 
 use super::gradient::Gradient;
 use super::parse::{Instruction, Names, evaluate};
-use super::{all_functions, program, quoted};
+use super::{all_functions, poles, program, quoted};
 use crate::Vec3;
 
 const OF_PLACES: Names = Names { variables: &["x", "y", "z"], kinks: true };
@@ -33,6 +33,11 @@ impl PlaceFormula {
     pub fn value(&self, at: &Vec3) -> f64 {
         evaluate(&self.program, [at.x, at.y, at.z])
     }
+
+    /// A place between two others where the formula grows beyond all bounds or is undefined, if there is one.
+    pub fn pole(&self, ends: [Vec3; 2]) -> Option<Vec3> {
+        poles::pole(&self.program, ends.map(Into::into)).map(|at: [f64; 3]| at.into())
+    }
 }
 
 /// Inequality `formula ≤ 0`, or `formula < 0`.
@@ -51,7 +56,7 @@ impl Inequality {
         let variables = [0, 1, 2].map(|i| Gradient::<3>::variable(at[i], i));
         let [a, b] = [0, 1].map(|i| evaluate(&self.sides[i], variables));
         let difference = a.value - b.value;
-        if difference.is_nan() {
+        if !difference.is_finite() {
             return None;
         }
         let slope = Vec3::from_fn(|i, _| a.by[i] - b.by[i]).norm();
@@ -224,7 +229,7 @@ mod tests {
 
     #[test]
     fn conditions_have_no_value_where_they_need_a_formula_that_has_none() {
-        for text in ["sqrt(x) >= 0", "y < 1 and sqrt(x) < 1", "y > 1 or ln(x) < 1", "x/y < 1"] {
+        for text in ["sqrt(x) >= 0", "y < 1 and sqrt(x) < 1", "y > 1 or ln(x) < 1", "x/y < 1", "1/y > 0"] {
             let at = if text == "x/y < 1" { [0.0; 3] } else { [-1.0, 0.0, 0.0] };
             assert_eq!(PlaceCondition::read(text).unwrap().holds(&at.into(), [1e-6, 0.0]), None, "{text}");
         }

@@ -40,6 +40,11 @@ impl Section {
         self.described().into_iter().next()
     }
 
+    /// Height of the middle of its layers above the mesh, along the director (length).
+    pub fn offset(&self) -> f64 {
+        self.layers().map_or(0.0, |(_, layers)| layers.offset())
+    }
+
     /// Membrane part of its elements where the material is no rubber.
     pub fn membrane_part(&self) -> Membrane {
         match (self.membrane, self.eas) {
