@@ -24,7 +24,7 @@ PICTURES = ROOT / "book" / "src" / "pictures" / "gallery"
 LARGEST = 62_000  # bytes of a picture
 HEAD = """# Gallery of examples
 
-Every model of the folder `examples` with a picture, the number that it is compared with, and the time it takes on two cores of an AMD EPYC (Zen 4), all files and pictures of the run included.
+Every model of the folder `examples` with a picture, the number that it is compared with, and about the time that it takes on two cores, with all files and pictures of the run.
 `tegula run examples/NAME` computes it; the comments at its head have a sketch and the formulas, and a test compares it with the expected number. `scripts/gallery.py` writes this page.
 """
 
@@ -379,8 +379,8 @@ def entries() -> list[Entry]:
     return [entry for section in SECTIONS.values() for entry in section]
 
 
-def two_digits(seconds: float) -> str:
-    """Time with one significant digit, from 10 s with two."""
+def rounded(seconds: float) -> str:
+    """Time in whole seconds, below 1 s in tenths."""
     return f"{seconds:.0f} s" if seconds >= 1 else f"{max(seconds, 0.1):.1f} s"
 
 
@@ -424,7 +424,7 @@ def text_of(entry: Entry, value: str, seconds: float) -> str:
 |---|---|
 | expected | {entry.expected} ({entry.source}) |
 | computed | {value} |
-| time | {two_digits(seconds)} |
+| time | {rounded(seconds)} |
 
 """
 
