@@ -443,7 +443,10 @@ def write(program: Path, chosen: list[str]) -> None:
                 result = Path(temporary) / entry.stem
                 seconds = compute(program, entry, result, 1 if chosen else 3)
                 draw(program, entry, result)
-                value = entry.form.format(entry.computed(Result(result)))
+                number = entry.computed(Result(result))
+                if not math.isfinite(number):
+                    sys.exit(f"{entry.file}: the computed number is {number}")
+                value = entry.form.format(number)
                 print(f"{entry.stem}: {value}, expected {entry.expected}; {seconds:.2f} s", flush=True)
                 page += text_of(entry, value, seconds)
                 shutil.rmtree(result)
