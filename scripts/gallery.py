@@ -24,7 +24,7 @@ PICTURES = ROOT / "book" / "src" / "pictures" / "gallery"
 LARGEST = 62_000  # bytes of a picture
 HEAD = """# Gallery of examples
 
-Every model of the folder `examples` with a picture, the number that it is compared with, and about the time that it takes on two cores, with all files and pictures of the run.
+Every model of the folder `examples` with a picture, the number that it is compared with, and the time that it takes at most on two cores, with all files and pictures of the run.
 `tegula run examples/NAME` computes it; the comments at its head have a sketch and the formulas, and a test compares it with the expected number. `scripts/gallery.py` writes this page.
 """
 
