@@ -44,6 +44,13 @@ function polyline(dashed, marks) {
   };
 }
 
+/** Range of an axis; round-off of a constant is no range, since uPlot cannot tell its ticks apart and counts them without end. */
+function roomy(low, high) {
+  if (!Number.isFinite(low) || !Number.isFinite(high)) return [0, 1];
+  const size = Math.max(Math.abs(low), Math.abs(high)), margin = 0.05 * size || 1;
+  return high - low > 1e-9 * size ? uPlot.rangeNum(low, high, 0.1, true) : [low - margin, high + margin];
+}
+
 /** Diagram of curves whose abscissa need not increase: `curves` have a name, xs, ys, dashed (for each point) or marks. */
 function diagram(holder, title, x, y, curves) {
   const box = document.createElement("div");
@@ -89,6 +96,7 @@ function chart(holder, title, x, y, xs, curves, logarithmic = false) {
     const [low, high] = [Math.max(positive.reduce((a, b) => Math.min(a, b)), 1e-12 * positive.reduce((a, b) => Math.max(a, b))), positive.reduce((a, b) => Math.max(a, b))];
     options.scales.y = { distr: 3, range: [power(Math.floor(Math.log10(low))), power(Math.ceil(Math.log10(high * 1.0001)))] };
   }
+  else options.scales.y = { range: (u, low, high) => roomy(low, high) };
   const value = (u, v) => shortNumber(v);
   options.series = [{ label: x, value }, ...curves.map((curve, i) => ({ label: curve.name, stroke: INKS[i % INKS.length], width: 2, value, points: { show: xs.length < 40 } }))];
   const clean = (values) => Array.from(values, (v) => (Number.isFinite(v) && (!logarithmic || v > 0) ? v : null));
