@@ -233,7 +233,10 @@ impl CompiledSection {
             }
             PrescribedStrain::Prestress(p) => {
                 let angle = Self::angle(frame, &p.direction.into())?;
-                let at = Vector3::from(p.membrane) / h - Vector3::from(p.bending) * (12.0 * z / h.powi(3));
+                // Moments are given about the mesh; stresses are linear about the middle of the layers.
+                let force = Vector3::from(p.membrane);
+                let moment = Vector3::from(p.bending) + force * self.offset;
+                let at = force / h - moment * (12.0 * (z - self.offset) / h.powi(3));
                 let stress = in_plane(&turned_stress(at, angle));
                 -stiffness.lu().solve(&stress).ok_or("its stiffness is singular")?
             }

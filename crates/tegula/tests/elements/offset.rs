@@ -119,6 +119,45 @@ fn a_strip_bends_to_the_same_arc_beside_any_mesh() {
     }
 }
 
+/// A prestress without a moment about the middle of the layers is uniform over them, however far the mesh lies beside them.
+#[test]
+fn a_prestress_is_uniform_over_layers_beside_the_mesh() {
+    let (h, force) = (4e-3, 1e4);
+    for element in [ElementKind::Ems, ElementKind::Mitc4] {
+        for offset in [0.0, 0.5 * h, 5.0 * h] {
+            for plies in [&[("sheet", 1.0)][..], &[("sheet", 0.5), ("ply", 0.5)]] {
+                let mut m = common::model(MeshSource::Plate(PlateMesh::new([1.0, 1.0], [4, 4])), 7e10, h);
+                m.materials.insert("sheet".into(), Material::Isotropic(Isotropic::new(7e10, 0.3, 2700.0)));
+                m.materials.insert("ply".into(), common::ply());
+                let plies = plies.iter().map(|&(material, part)| LayupPly {
+                    material: Some(material.into()),
+                    angle: 20.0,
+                    thickness: Some(part * h),
+                });
+                let layup = Layup { plies: plies.collect(), offset, ..Layup::default() };
+                m.sections[0] = Section { element, layup: Some(layup), ..Section::new("", 0.0) };
+                m.conditions = ["u_min", "u_max", "v_min", "v_max"]
+                    .map(|edge| Condition::Clamp(common::on(edge)))
+                    .into();
+                m.prescribed_strains = vec![PrescribedStrain::Prestress(Prestress {
+                    on: "all".into(),
+                    membrane: [force, 0.0, 0.0],
+                    bending: [-offset * force, 0.0, 0.0],
+                    direction: [1.0, 0.0, 0.0],
+                    amplitude: None,
+                })];
+                let (_, system, outcome) = common::solve(&m);
+                for r in recover(&system, &outcome.state) {
+                    for stress in [r.stress_top[0], r.stress_bottom[0], r.von_mises] {
+                        let error = (stress / (force / h) - 1.0).abs();
+                        assert!(error < 1e-9, "{element:?} offset {offset}: {stress} for {}", force / h);
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Layers beyond the centre of curvature of the mesh have no surface.
 #[test]
 fn layers_beyond_the_centre_of_curvature_are_refused() {
