@@ -212,7 +212,7 @@ fn centres_of_parts() -> impl Iterator<Item = f64> {
 }
 
 /// Integral ∫N_a φ dA₀ of each node's shape function times a factor φ of the place, by the Gauss rule with 2 × 2 points in each of
-/// [`PARTS`]² parts.
+/// `PARTS`² parts.
 pub fn weighted_nodal_areas(positions: &[Vec3; 4], factor: impl Fn(&Vec3) -> f64) -> [f64; 4] {
     let mut out = [0.0; 4];
     let (directors, part) = ([Vec3::z(); 4], 1.0 / f64::from(PARTS));
@@ -229,7 +229,7 @@ pub fn weighted_nodal_areas(positions: &[Vec3; 4], factor: impl Fn(&Vec3) -> f64
     out
 }
 
-/// Integral ∫N_a φ ds of both shape functions of a straight edge times a factor φ of the place, by the Gauss rule with two points in each of [`PARTS`]
+/// Integral ∫N_a φ ds of both shape functions of a straight edge times a factor φ of the place, by the Gauss rule with two points in each of `PARTS`
 /// parts.
 pub fn weighted_nodal_lengths([a, b]: [Vec3; 2], factor: impl Fn(&Vec3) -> f64) -> [f64; 2] {
     let (mut out, part) = ([0.0; 2], 1.0 / f64::from(PARTS));
