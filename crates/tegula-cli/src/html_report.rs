@@ -34,7 +34,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         write(&arguments.result, &file)?;
         file
     };
-    say!("{}", file.display());
+    // What is written to the standard output is the report alone.
+    if !file.starts_with("/dev") {
+        say!("{}", file.display());
+    }
     Ok(())
 }
 

@@ -101,7 +101,7 @@ pub fn write_whole(
     let target = match Destination::of(path).map_err(failed)? {
         Destination::File(target) => target,
         Destination::Stream => {
-            let stream = std::fs::OpenOptions::new().write(true).open(path).map_err(failed)?;
+            let stream = std::fs::OpenOptions::new().append(true).open(path).map_err(failed)?;
             let mut buffered = BufWriter::with_capacity(1 << 16, stream);
             return write(&mut buffered).and_then(|()| buffered.flush()).map_err(failed);
         }
@@ -145,9 +145,12 @@ pub(crate) enum Destination {
 impl Destination {
     /// Destination of `path`; an error for a folder and for links that lead in a circle.
     pub(crate) fn of(path: &Path) -> io::Result<Self> {
+        // Names of open files, as `/dev/stdout`: others may have written to them before.
+        let of_system =
+            ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"].iter().any(|name| path.starts_with(name));
         match std::fs::metadata(path) {
             Ok(found) if found.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
-            Ok(found) if !found.is_file() => Ok(Self::Stream),
+            Ok(found) if of_system || !found.is_file() => Ok(Self::Stream),
             // What was opened before its name was removed has a link, but no path.
             Ok(_) => std::fs::canonicalize(path).map_or(Ok(Self::Stream), |path| Ok(Self::File(path))),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Self::File(named_by_links(path))),

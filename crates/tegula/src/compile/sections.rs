@@ -12,7 +12,6 @@ use crate::element::{ElementGroup, QuadraticGroup, ShellGeometry, director_angle
 use crate::material::{Law, OwnLaw};
 use crate::mesh::Mesh;
 use crate::mesh::directors::Directors;
-use crate::model::section::Layers;
 use crate::model::{Material, Membrane, Model, Section, StackedPly};
 use crate::section::compiled::{Layer, Resultant};
 use crate::section::laminate::Laminate;
@@ -56,7 +55,7 @@ impl Section {
     ) -> Option<CompiledSection> {
         let thickness = self.whole_thickness();
         let described = self.layers().map(|(_, layers)| layers);
-        let offset = described.map_or(0.0, Layers::offset);
+        let offset = self.offset();
         let element = registry::shell(self, thickness);
         let mut layers = Vec::new();
         let mut plies = Vec::new();
@@ -160,6 +159,13 @@ fn geometry(quad: u32, mesh: &Mesh, directors: &Directors) -> ShellGeometry {
         mesh.quads[quad as usize].map(|n| mesh.positions[n as usize]),
         directors.corners[quad as usize].map(|d| directors.values[d as usize]),
     )
+}
+
+/// Area over which an element has its mass: that of the middle surface of its layers.
+fn area_of_mass(element: &dyn ShellElement, g: &ShellGeometry) -> f64 {
+    let mass = element.mass(g, &SectionInertia { mass: 1.0, rotary: 0.0, coupling: 0.0 });
+    let pairs = (0..4).flat_map(|a| (0..=a).map(move |b| (a, b)));
+    pairs.zip(mass).map(|((a, b), m)| if a == b { m } else { 2.0 * m }).sum()
 }
 
 /// Directions that are normal to the surface somewhere in a section: that of its 0° and those of prescribed strains.
@@ -294,10 +300,8 @@ impl Elements {
         issues: &mut Vec<Issue>,
     ) {
         let geometry = |q: u32| geometry(q, mesh, directors);
-        let area =
-            |g: &ShellGeometry| crate::element::geometry::nodal_areas(&g.positions).iter().sum::<f64>();
         if let Some(total) = section.total_mass {
-            let whole: f64 = quads.iter().map(|&q| area(&geometry(q))).sum();
+            let whole: f64 = quads.iter().map(|&q| area_of_mass(element.as_ref(), &geometry(q))).sum();
             if compiled.inertia.mass == 0.0 {
                 compiled.inertia = SectionInertia::homogeneous(1.0, compiled.thickness);
             }

@@ -578,3 +578,25 @@ fn vibrations_about_a_yielded_equilibrium_are_elastic() {
         }
     }
 }
+
+/// Layers beside the mesh couple the inertia of inextensible directors with that of the positions: a swinging strip, whose motion
+/// converges with the square of the step also then.
+#[test]
+fn layers_beside_the_mesh_swing_with_second_order() {
+    let h = 0.01;
+    let mut m = model(plate([0.5, 0.1], [8, 1], 0.0), 1e8, h);
+    m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(1e8, 0.3, 1000.0)));
+    let ply = LayupPly { material: Some("m".into()), angle: 0.0, thickness: Some(h) };
+    let layup = Layup { plies: vec![ply], offset: 5.0 * h, ..Layup::default() };
+    m.sections[0] = Section { element: ElementKind::Mitc4, layup: Some(layup), ..Section::new("", 0.0) };
+    m.conditions = vec![Condition::Hinge(on("u_min"))];
+    let formula = ExpressionAmplitude { expression: "sin(20*t)^2".into() };
+    m.amplitudes.insert("smooth".into(), Amplitude::Expression(formula));
+    m.loads = vec![Load::Gravity(GravityLoad { value: [0.0, 0.0, -10.0], amplitude: Some("smooth".into()) })];
+    for scheme in [NEWMARK, HHT] {
+        let end = |time_step: f64| run(&m, &options(scheme, 0.2, time_step), &mut Notes::default()).1.state.u;
+        let [a, b, c] = [2e-3, 1e-3, 5e-4].map(end);
+        let (first, second) = (distance(&a, &b), distance(&b, &c));
+        assert!(first / second > 3.5, "{scheme:?}: {first:e}, then {second:e}");
+    }
+}

@@ -89,12 +89,10 @@ impl Element {
         let linear = section.compile(materials).unwrap().laws.is_empty();
         // A prestress in resultants is not available for layers that yield: `check` refuses it.
         let solid = registry::shell(section, H).is_solid();
-        let count = if !fields {
-            0
-        } else if linear || solid {
-            3
-        } else {
-            2
+        let count = match (fields, linear || solid) {
+            (false, _) => 0,
+            (true, true) => 3,
+            (true, false) => 2,
         };
         Self::with_strains(section, materials, geometry, &strains()[..count])
     }

@@ -70,6 +70,15 @@ fn total_mass_is_met() {
     m.loads = vec![Load::Force(vector_load("u_max", [0.0, 0.0, 1.0]))];
     let (_, system) = compile(&m);
     assert!((system.total_mass() - 5.0).abs() < 5e-12);
+    // Layers beside a curved mesh have another area than the mesh.
+    for offset in [0.02, -0.05] {
+        let plies = vec![LayupPly { material: None, angle: 0.0, thickness: Some(0.01) }];
+        let material = Some(m.sections[0].material.clone()).filter(|name| !name.is_empty());
+        let layup = Layup { plies, material, offset, ..Layup::default() };
+        let section = Section { total_mass: Some(5.0), layup: Some(layup), ..Section::new("", 0.0) };
+        let (_, system) = compile(&Model { sections: vec![section], ..m.clone() });
+        assert!((system.total_mass() - 5.0).abs() < 5e-12, "{offset}: {}", system.total_mass());
+    }
 }
 
 #[test]

@@ -37,7 +37,7 @@ use super::{Balance, Observer, State, Statistics, Stepper, Stopped, equilibrium,
 use crate::element::{Motion, Nodal};
 use crate::model::TransientAnalysis;
 use crate::norm::larger;
-use crate::system::dof_map::CONSTRAINED;
+use crate::system::dof_map::{CONSTRAINED, UnitVector};
 use crate::system::{Assembly, Procedure, System, VectorKind, dot, dot3};
 use crate::{Error, Result, Vec3};
 pub use amplitude_check::{PassedOver, passed_over};
@@ -323,16 +323,27 @@ pub(super) fn project_unit_vectors(system: &System, u: &mut [Nodal]) {
 /// accelerations a·d = −v·v. The drift that the integration of the free vectors leaves would grow from step to step.
 pub(super) fn project_rates(system: &System, u: &[Nodal], v: &mut [Nodal], a: &mut [Nodal]) {
     triads::project_rates(system, u, v, a);
+    project_rates_of_directors(system, u, v, a);
+}
+
+/// An inextensible director without the component in which it is supported: the vector then rotates on a circle, whose radius need not
+/// be its length.
+pub(super) fn turning_part(system: &System, u: &[Nodal], unit: &UnitVector) -> Vec3 {
+    let i = unit.vector as usize;
+    let mut d = Vec3::from(system.coordinates.reference[i]);
+    if !system.linear {
+        d += Vec3::from(u[i]);
+    }
+    unit.fixed.map_or(d, |axis| d - axis * axis.dot(&d))
+}
+
+/// The part of [`project_rates`] for inextensible directors.
+pub(super) fn project_rates_of_directors(system: &System, u: &[Nodal], v: &mut [Nodal], a: &mut [Nodal]) {
     for unit in &system.dofs().unit {
         let i = unit.vector as usize;
-        let mut d = Vec3::from(system.coordinates.reference[i]);
-        if !system.linear {
-            d += Vec3::from(u[i]);
-        }
+        let d = turning_part(system, u, unit);
         let (mut rate, mut second) = (Vec3::from(v[i]), Vec3::from(a[i]));
-        // A constrained component stays; the vector then rotates on a circle, whose radius need not be its length.
         if let Some(axis) = unit.fixed {
-            d -= axis * axis.dot(&d);
             rate -= axis * axis.dot(&rate);
             second -= axis * axis.dot(&second);
         }
