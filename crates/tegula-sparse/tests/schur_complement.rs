@@ -243,11 +243,11 @@ fn results(m: &Matrix, interface: &[u32], sequential: bool) -> (Vec<f64>, Vec<f6
 /// Large enough for node-level fronts; the Schur complement is symmetric to the bit.
 #[test]
 fn results_do_not_depend_on_the_number_of_threads() {
-    let cut: Vec<u32> = (40 * 80 * 6..41 * 80 * 6).collect();
+    let cut: Vec<u32> = (30 * 60 * 6..31 * 60 * 6).collect();
     let multipliers: Vec<u32> = (10800..11300).collect();
     for (m, interface) in [
-        (grid(80, 80, 6, 1e-2), boundary(80, 80, 6)),
-        (grid(80, 80, 6, 1e-2), cut),
+        (grid(60, 60, 6, 1e-2), boundary(60, 60, 6)),
+        (grid(60, 60, 6, 1e-2), cut),
         (constrained(60, 500, 1e-2, &mut Random::new(5)), (0..90).chain(5000..5040).collect()),
         (constrained(60, 500, 1e-2, &mut Random::new(5)), multipliers),
     ] {

@@ -161,7 +161,7 @@ pub(super) fn paint(canvas: &mut Canvas, placement: &Placement, patches: &[Patch
         }
         let opacity = |fragment: &Fragment| patches[facets[fragment.facet as usize].patch as usize].opacity;
         let covers = |fragment: &Fragment| opacity(fragment) == 1.0;
-        layers.each_from_the_back(rows.len() * grid.columns as usize, covers, |fragment| {
+        layers.each_from_the_back(covers, |fragment| {
             let facet = &facets[fragment.facet as usize];
             let sample = before + fragment.sample as usize;
             let (row, column) = (sample / grid.columns as usize, sample % grid.columns as usize);
@@ -235,28 +235,27 @@ impl Layers {
 
     /// Hands over the fragments of all samples, sample by sample from the back to the front, and forgets them. Those behind a
     /// fragment that `covers` them are left out.
-    fn each_from_the_back(
-        &mut self,
-        samples: usize,
-        covers: impl Fn(&Fragment) -> bool,
-        mut take: impl FnMut(&Fragment),
-    ) {
+    fn each_from_the_back(&mut self, covers: impl Fn(&Fragment) -> bool, mut take: impl FnMut(&Fragment)) {
         let Self { fragments, order, starts } = self;
+        // Most sheets are white where they are not crossed by the shell.
+        let samples = || fragments.iter().map(|fragment| fragment.sample);
+        let (Some(first), Some(last)) = (samples().min(), samples().max()) else { return };
+        let place = |fragment: &Fragment| (fragment.sample - first) as usize;
+        // Counting sort. The fragments of place i begin at `starts[i]` once those before it have been put in order.
         starts.clear();
-        starts.resize(samples + 1, 0);
-        fragments.iter().for_each(|f| starts[f.sample as usize + 1] += 1);
-        for i in 0..samples {
-            starts[i + 1] += starts[i];
+        starts.resize((last - first) as usize + 3, 0);
+        fragments.iter().for_each(|fragment| starts[place(fragment) + 2] += 1);
+        for i in 2..starts.len() {
+            starts[i] += starts[i - 1];
         }
         order.clear();
         order.resize(fragments.len(), 0);
-        let mut next = starts.clone();
-        for (number, fragment) in fragments.iter().enumerate() {
-            let next = &mut next[fragment.sample as usize];
-            order[*next as usize] = number as u32;
+        for (number, fragment) in (0_u32..).zip(fragments.iter()) {
+            let next = &mut starts[place(fragment) + 1];
+            order[*next as usize] = number;
             *next += 1;
         }
-        for ends in starts.windows(2) {
+        for ends in starts.windows(2).filter(|ends| ends[0] < ends[1]) {
             let here = &mut order[ends[0] as usize..ends[1] as usize];
             // The sort is stable and the order of the facets fixed: the same model gives the same picture.
             here.sort_by(|&a, &b| fragments[a as usize].depth.total_cmp(&fragments[b as usize].depth));

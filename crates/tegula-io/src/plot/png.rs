@@ -24,7 +24,7 @@ pub(super) fn write(w: &mut dyn Write, width: u32, height: u32, rgb: &[u8]) -> i
     header.extend([8, 2, 0, 0, 0]);
     chunk(w, b"IHDR", &header)?;
 
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
     let mut above = vec![0; row_bytes];
     for row in rgb.chunks(row_bytes) {
         encoder.write_all(&filtered(row, &above))?;

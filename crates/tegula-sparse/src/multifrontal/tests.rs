@@ -37,7 +37,7 @@ fn solve(fronts: &mut Multifrontal, pointers: &[usize], values: &[f64], given: b
 #[test]
 fn memory_is_spared_without_a_change_of_a_bit() {
     for diagonal in [60.0, 1e-3] {
-        let (pointers, rows, values) = grid(48, diagonal);
+        let (pointers, rows, values) = grid(36, diagonal);
         let run = |low_memory: bool, threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
@@ -70,9 +70,9 @@ fn memory_is_spared_without_a_change_of_a_bit() {
 #[test]
 fn schur_complements_do_not_depend_on_the_memory_mode() {
     for diagonal in [60.0, 1e-3] {
-        let (pointers, rows, values) = grid(48, diagonal);
+        let (pointers, rows, values) = grid(36, diagonal);
         // Two lines of nodes.
-        let interface: Vec<u32> = (0..6 * 48).chain(6 * 48 * 20..6 * 48 * 21).collect();
+        let interface: Vec<u32> = (0..6 * 36).chain(6 * 36 * 15..6 * 36 * 16).collect();
         let run = |low_memory: bool, threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {

@@ -2,11 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use super::adaptive_integrals::{over_edge, over_element};
 use super::{StepModel, Vectors};
 use crate::element::Nodal;
-use crate::element::geometry::{
-    ShellGeometry, nodal_areas, shell_mass, tangents, weighted_nodal_areas, weighted_nodal_lengths,
-};
+use crate::element::geometry::{ShellGeometry, nodal_areas, shell_mass, tangents};
 use crate::load::{FollowerLoad, LoadFactor, OwnLoad, PlaceFormula};
 use crate::mesh::Mesh;
 use crate::model::loads::{Action, LoadedMesh};
@@ -399,8 +398,13 @@ impl<'a> Loaded<'a> {
         let ends = edge.map(|n| self.mesh.positions[n as usize]);
         match &self.distribution {
             None => [0.5 * (ends[0] - ends[1]).norm(); 2],
-            Some(_) => weighted_nodal_lengths(ends, |x| self.factor_at(x)),
+            Some(_) => over_edge(ends, |x| self.factor_at(x)).map_or([f64::NAN; 2], |whole| whole.nodal),
         }
+    }
+
+    /// Integrals of the shape functions over an element, times the factor.
+    fn weighted_areas(&self, places: &[Vec3; 4]) -> [f64; 4] {
+        over_element(places, |x| self.factor_at(x)).map_or([f64::NAN; 4], |whole| whole.nodal)
     }
 
     /// Body that a number behind those of the nodes stands for.
@@ -432,9 +436,7 @@ impl LoadedMesh for Loaded<'_> {
             return 1.0;
         }
         let places = quad.map(|n| self.mesh.positions[n as usize]);
-        let [weighted, area] = [weighted_nodal_areas(&places, |x| self.factor_at(x)), nodal_areas(&places)]
-            .map(|parts| parts.iter().sum::<f64>());
-        weighted / area
+        self.weighted_areas(&places).iter().sum::<f64>() / nodal_areas(&places).iter().sum::<f64>()
     }
 
     fn lengths(&self, set: &str) -> BTreeMap<u32, f64> {
@@ -453,7 +455,7 @@ impl LoadedMesh for Loaded<'_> {
             let places = nodes.map(|n| self.mesh.positions[n as usize]);
             let areas = match &self.distribution {
                 None => nodal_areas(&places),
-                Some(_) => weighted_nodal_areas(&places, |x| self.factor_at(x)),
+                Some(_) => self.weighted_areas(&places),
             };
             for (node, area) in nodes.into_iter().zip(areas) {
                 *out.entry(node).or_default() += area;

