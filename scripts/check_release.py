@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""Refuses files of a release that contradict each other: versions, the oldest Rust version, licences.
+
+Usage: check_release.py
+"""
+
+import re
+import sys
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def contradictions() -> list[str]:
+    """Sentences about what does not fit together."""
+    package = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]
+    out = []
+    citation = (ROOT / "CITATION.cff").read_text()
+    for key, value in [("version", package["version"]), ("repository-code", package["repository"])]:
+        found = re.search(rf"^{key}: (.*)$", citation, re.MULTILINE)
+        if not found or found[1].strip() != value:
+            out.append(f"CITATION.cff: `{key}` is not {value}, as in Cargo.toml")
+    for name in package["license"].split(" OR "):
+        if f"  - {name}\n" not in citation:
+            out.append(f"CITATION.cff: the licence {name} of Cargo.toml is missing")
+    if "## [Unreleased]" not in (ROOT / "CHANGELOG.md").read_text():
+        out.append("CHANGELOG.md: it has no section [Unreleased]")
+    rust = package["rust-version"]
+    for name in ["CONTRIBUTING.md", ".ci/run"]:
+        if f"Rust {rust} or later" not in (ROOT / name).read_text():
+            out.append(f"{name}: it does not name Rust {rust}, the `rust-version` of Cargo.toml")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    if project["license"] != package["license"]:
+        out.append("pyproject.toml: its licence is not that of Cargo.toml")
+    for name in project["license-files"]:
+        if not (ROOT / name).is_file():
+            out.append(f"pyproject.toml: {name} does not exist")
+    return out
+
+
+def main() -> int:
+    found = contradictions()
+    print("\n".join(found) or "the files of a release agree")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
