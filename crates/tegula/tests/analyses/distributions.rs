@@ -147,8 +147,8 @@ fn distributions_without_meaning_are_refused() {
         ("1/(x - 0.77)", "at (0.77, "),
         ("sqrt((x - 0.1)*(x - 0.15))", "at (0.1, "),
         ("1/(x + 0.7*y - 0.9)^2", "does not converge at (0.77"),
-        ("tan(3.141592653589793*x)", "does not converge at (0.5, "),
-        ("cos(3.141592653589793*x)^(-2)", "does not converge at (0.5, "),
+        ("tan(3.141592653589793*x)", "does not converge at (0.4998"),
+        ("cos(3.141592653589793*x)^(-2)", "does not converge at (0.4998"),
         ("t", "unknown variable \"t\""),
         ("floor(x)", "cannot be differentiated"),
     ] {
