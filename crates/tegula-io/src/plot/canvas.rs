@@ -252,12 +252,30 @@ pub fn fitted(text: &str, size: f64, room: f64) -> (String, f64) {
         return (text.to_owned(), size);
     }
     let smaller = (size * room / width).max(0.75 * size);
+    (cut(text, smaller, room), smaller)
+}
+
+/// The text, or as much of it as fits into `room` pixels before an ellipsis.
+fn cut(text: &str, size: f64, room: f64) -> String {
     let mut kept: Vec<char> = text.chars().collect();
     let mut shown = text.to_owned();
-    while text_width(&shown, smaller) > room && kept.pop().is_some() {
+    while text_width(&shown, size) > room && kept.pop().is_some() {
         shown = kept.iter().chain(&['…']).collect();
     }
-    (shown, smaller)
+    shown
+}
+
+/// The text and size that fit into `room` pixels with an `end` that stays whole: smaller letters first, then an ellipsis before the end.
+pub fn fitted_before(text: &str, end: &str, size: f64, room: f64) -> (String, f64) {
+    let whole = format!("{text}{end}");
+    if text_width(&whole, size) <= room {
+        return (whole, size);
+    }
+    let smaller = 0.75 * size;
+    if text_width(&whole, smaller) <= room {
+        return fitted(&whole, size, room);
+    }
+    (format!("{}{end}", cut(text, smaller, room - text_width(end, smaller))), smaller)
 }
 
 /// A regular polygon of `n` corners, the first at the top turned clockwise by `turn` radians.
@@ -313,5 +331,10 @@ mod tests {
         assert!(text == "short" && size == 16.0);
         let (text, size) = fitted(&"long ".repeat(80), 16.0, 300.0);
         assert!(text.ends_with('…') && text_width(&text, size) <= 300.0 && size >= 12.0);
+        let (text, size) = fitted_before(&"long ".repeat(80), ", at 3 s", 16.0, 300.0);
+        assert!(
+            text.ends_with("…, at 3 s") && text_width(&text, size) <= 300.0 && size >= 8.9,
+            "{text} {size}"
+        );
     }
 }

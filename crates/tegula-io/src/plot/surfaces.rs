@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::canvas::{Anchor, Canvas, fitted};
+use super::canvas::{Anchor, Canvas, fitted_before};
 use super::colour::{Rgb, viridis};
 use super::colour_bar;
 use super::facets::{self, Patch};
@@ -48,6 +48,8 @@ impl Default for Snapshot {
 pub struct SurfacePlot {
     /// Title above the picture; may be empty.
     pub title: String,
+    /// What follows the title and is not cut where that is too long, for example `, displacements × 200`.
+    pub state: String,
     /// The instants.
     pub snapshots: Vec<Snapshot>,
     /// Corners of the quadrilaterals, as indices of nodes.
@@ -72,6 +74,7 @@ impl Default for SurfacePlot {
     fn default() -> Self {
         Self {
             title: String::new(),
+            state: String::new(),
             snapshots: Vec::new(),
             quads: Vec::new(),
             bodies: Vec::new(),
@@ -134,11 +137,11 @@ fn labelled(plot: &SurfacePlot) -> Result<(Canvas, Labels), String> {
     let values = || plot.snapshots.iter().flat_map(colouring);
     let axis = match plot.range {
         Some(range) => Axis::around(range.into_iter().filter(|_| values().next().is_some()), false, 0.0),
-        None => Axis::around(values(), false, 0.0),
+        None => Axis::around(without_round_off(values()), false, 0.0),
     };
     let (patches, left_out) = patches(plot, &seen, axis.as_ref());
 
-    let top = if plot.title.is_empty() { MARGIN } else { 60.0 };
+    let top = if plot.title.is_empty() && plot.state.is_empty() { MARGIN } else { 60.0 };
     let bar = axis.as_ref().map_or(0.0, |a| colour_bar::width(a, &plot.color_label) + MARGIN);
     let labelled = plot.snapshots.iter().any(|s| !s.label.is_empty());
     let (side, border) = if labelled { (80.0, 44.0) } else { (MARGIN, MARGIN) };
@@ -175,11 +178,23 @@ fn labelled(plot: &SurfacePlot) -> Result<(Canvas, Labels), String> {
     let room = [[4.0, top], [width - bar - 4.0, height - 8.0]];
     let labels = labels::place(&mut canvas, &owners, room, taken, &requests);
 
-    let (title, size) = fitted(&plot.title, TITLE, width - 2.0 * MARGIN);
+    let (title, size) = fitted_before(&plot.title, &plot.state, TITLE, width - 2.0 * MARGIN);
     canvas.text([MARGIN, 38.0], Anchor::Start, size, Rgb::INK, &title);
     let remark = remarks(left_out, values().filter(|v| !v.is_finite()).count());
     canvas.text([width - MARGIN, height - 12.0], Anchor::End, NOTE, Rgb::QUIET, &remark);
     Ok((canvas, labels))
+}
+
+/// Differences of values over the largest of them below which they are one value: the round-off of results.
+const ONE_VALUE: f64 = 1e-6;
+
+/// The smallest and the largest of finite values; only one where they differ by round-off.
+fn without_round_off(values: impl Iterator<Item = f64>) -> impl Iterator<Item = f64> {
+    let ends = values.filter(|v| v.is_finite()).fold(None, |ends: Option<[f64; 2]>, v| {
+        Some(ends.map_or([v, v], |[low, high]| [low.min(v), high.max(v)]))
+    });
+    let differ = |[low, high]: [f64; 2]| high - low > ONE_VALUE * low.abs().max(high.abs());
+    ends.into_iter().flat_map(move |ends| if differ(ends) { ends } else { [0.5 * (ends[0] + ends[1]); 2] })
 }
 
 /// Reports data of a picture that do not fit together, in words.

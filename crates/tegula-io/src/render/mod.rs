@@ -24,7 +24,7 @@ const SIZE_OF_A_MODE: f64 = 0.1;
 /// Instants that are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum At {
-    /// The last state, or the first mode.
+    /// The last state, or the first mode that is no rigid motion.
     Default,
     /// The state nearest to a time, load factor or position on the path.
     Value(f64),
@@ -136,7 +136,8 @@ fn plot(source: &Source, drawing: &Drawing, instant: &Instant, scale: f64) -> Su
     let (values, nodal) =
         if at_nodes { (None, instant.values.clone()) } else { (instant.values.clone(), None) };
     SurfacePlot {
-        title: title(source, instant, scale, drawing),
+        title: source.summary().title.clone(),
+        state: state(source, instant, scale, drawing),
         snapshots: vec![Snapshot {
             positions: instant.positions(scale),
             values,
@@ -154,20 +155,18 @@ fn plot(source: &Source, drawing: &Drawing, instant: &Instant, scale: f64) -> Su
     }
 }
 
-/// Title of the model, instant and, where it is not 1, the factor on the displacements.
-fn title(source: &Source, instant: &Instant, scale: f64, drawing: &Drawing) -> String {
+/// Instant and, where it is not 1, the factor on the displacements.
+fn state(source: &Source, instant: &Instant, scale: f64, drawing: &Drawing) -> String {
     let summary = source.summary();
     let mut parts = vec![instant.label.clone()];
-    if !summary.title.is_empty() {
-        parts.insert(0, summary.title.clone());
-    }
     if drawing.scale.is_some_and(|given| given != 1.0) {
         parts.push(format!("displacements × {}", significant(scale, DIGITS)));
     }
     if !source.has_displacements() && !summary.deformed {
         parts.push("undeformed shape".into());
     }
-    parts.join(", ")
+    let state = parts.join(", ");
+    if summary.title.is_empty() { state } else { format!(", {state}") }
 }
 
 /// Box around points.

@@ -92,10 +92,17 @@ impl Source {
         };
         let Some((_, first, outline)) = instants.first() else {
             let what = if modes { "modes" } else { "states" };
+            let steps: Vec<String> =
+                summary.analyses.iter().map(|step| format!("`{}`", step.folder)).collect();
+            let remedy = if steps.is_empty() {
+                "Give the result folder of a run with field files".to_owned()
+            } else {
+                format!("Give the folder of one of its steps: {}", steps.join(", "))
+            };
             return Err(OutputError::damaged(
                 folder,
                 format!("it has no field files of {what}: `{}` names none that is there", lists[0]),
-                "Give the result folder of a run with field files; of a model with `steps` the folder of one step",
+                remedy,
             ));
         };
         let file = VtuFile::open(first)?;
@@ -189,7 +196,17 @@ impl Source {
     pub fn nearest(&self, at: At) -> Result<usize, OutputError> {
         let last = self.instants.len() - 1;
         match at {
-            At::Default => Ok(if self.modes { 0 } else { last }),
+            At::Default if self.modes => {
+                // Rigid motions come first, and show nothing.
+                let frequency = |mode: f64| {
+                    let number = (mode as usize).checked_sub(1)?;
+                    self.summary.frequencies_hz.as_ref()?.get(number).copied()
+                };
+                let moves =
+                    |(mode, ..): &(f64, PathBuf, Option<PathBuf>)| frequency(*mode).is_none_or(|f| f > 0.0);
+                Ok(self.instants.iter().position(moves).unwrap_or(0))
+            }
+            At::Default => Ok(last),
             At::Mode(number) => {
                 let is = |(value, ..): &(f64, PathBuf, Option<PathBuf>)| value.floor() == number as f64;
                 // Complex modes have two shapes each.

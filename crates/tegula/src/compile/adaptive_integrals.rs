@@ -93,9 +93,32 @@ struct Part<const N: usize, const D: usize> {
     centre: [f64; D],
     half: f64,
     integral: Integral<N>,
+    /// Factor at the Gauss points.
+    values: [f64; 4],
+    /// Length or area.
+    measure: f64,
+}
+
+impl<const N: usize, const D: usize> Part<N, D> {
+    /// Place between the centre and a corner.
+    fn towards(&self, corner: [f64; D], share: f64) -> [f64; D] {
+        std::array::from_fn(|i| self.centre[i] + self.half * share * corner[i])
+    }
+
     /// Integral over the strips along the sides that the Gauss points do not see, if the factor were there as at the corners and not as it is
     /// extrapolated.
-    hidden: f64,
+    fn hidden(&self, factor_at: impl Fn([f64; D]) -> f64) -> f64 {
+        let jump = corners().map(|corner| {
+            // Linear along each direction through the Gauss points.
+            let reach =
+                |a: &[f64; D]| (0..D).map(|i| 0.5 * (1.0 + a[i] * corner[i] / GAUSS)).product::<f64>();
+            let extrapolated: f64 = corners().zip(self.values).map(|(a, value)| reach(&a) * value).sum();
+            (factor_at(self.towards(corner, 1.0)) - extrapolated).abs()
+        });
+        // A factor that is undefined at a corner alone, as sin(x)/x, has an integral.
+        let jump = jump.filter(|jump| jump.is_finite()).fold(0.0, f64::max);
+        0.25 * (1.0 - GAUSS) * self.measure * jump
+    }
 }
 
 /// Signs of the corners of a line or square.
@@ -112,35 +135,22 @@ fn integrate<const N: usize, const D: usize>(
     shapes: impl Fn([f64; D]) -> [f64; N],
 ) -> Result<Distributed<N>, Vec3> {
     let part = |centre: [f64; D], half: f64| {
-        let at =
-            |offset: f64, corner: [f64; D]| std::array::from_fn(|i| centre[i] + half * offset * corner[i]);
-        let (mut integral, mut measure) = (Integral::default(), 0.0);
-        let mut values = [0.0; 4];
-        for (value, corner) in values.iter_mut().zip(corners()) {
-            let (at, mut weight) = (at(GAUSS, corner), half.powi(D as i32));
-            *value = factor(&place(at));
-            weight *= density(at);
-            integral.add(shapes(at), weight * *value);
-            measure += weight;
+        let mut part = Part { centre, half, integral: Integral::default(), values: [0.0; 4], measure: 0.0 };
+        for (i, corner) in corners().enumerate() {
+            let at = part.towards(corner, GAUSS);
+            let weight = half.powi(D as i32) * density(at);
+            part.values[i] = factor(&place(at));
+            part.integral.add(shapes(at), weight * part.values[i]);
+            part.measure += weight;
         }
-        let jump = corners().map(|corner| {
-            // Linear along each direction through the Gauss points.
-            let reach =
-                |a: &[f64; D]| -> f64 { (0..D).map(|i| 0.5 * (1.0 + a[i] * corner[i] / GAUSS)).product() };
-            let extrapolated: f64 = corners().zip(values).map(|(a, value)| reach(&a) * value).sum();
-            (factor(&place(at(1.0, corner))) - extrapolated).abs()
-        });
-        // A factor that is undefined at a corner alone, as sin(x)/x, has an integral.
-        let jump = jump.filter(|jump| jump.is_finite()).fold(0.0, f64::max);
-        Part { centre, half, integral, hidden: 0.25 * (1.0 - GAUSS) * measure * jump }
+        part
     };
-    let divided = |whole: &Part<N, D>| -> Vec<Part<N, D>> {
-        let half = 0.5 * whole.half;
-        corners()
-            .map(|corner: [f64; D]| part(std::array::from_fn(|i| whole.centre[i] + half * corner[i]), half))
-            .collect()
+    let divided = |centre: [f64; D], half: f64| -> Vec<Part<N, D>> {
+        let half = 0.5 * half;
+        let of_corner = |corner: [f64; D]| part(std::array::from_fn(|i| centre[i] + half * corner[i]), half);
+        corners().map(of_corner).collect()
     };
-    let mut parts = divided(&part([0.0; D], 1.0));
+    let mut parts = divided([0.0; D], 1.0);
     let mut done = Integral::default();
     let mut divergent_at = None;
     for division in 1.. {
@@ -148,7 +158,7 @@ fn integrate<const N: usize, const D: usize>(
         let mut pieces = Vec::with_capacity(parts.len());
         let mut open = 0.0;
         for whole in &parts {
-            let of_whole = divided(whole);
+            let of_whole = divided(whole.centre, whole.half);
             let mut sum = Integral::default();
             of_whole.iter().for_each(|piece| sum.merge(&piece.integral));
             if !(sum.size.is_finite() && whole.integral.size.is_finite()) {
@@ -162,8 +172,9 @@ fn integrate<const N: usize, const D: usize>(
         let last = division == divisions || (parts.len() << D) > MOST_PARTS;
         for ((sum, pieces), whole) in pieces.into_iter().zip(&parts) {
             let change = sum.change(&whole.integral);
-            let hides = whole.hidden > HIDDEN * size * whole.half.powf(0.5 * D as f64);
-            if (change > TOLERANCE * size || hides) && !last {
+            let hides =
+                || whole.hidden(|at| factor(&place(at))) > HIDDEN * size * whole.half.powf(0.5 * D as f64);
+            if !last && (change > TOLERANCE * size || hides()) {
                 next.extend(pieces);
                 continue;
             }
