@@ -138,13 +138,37 @@ pub(super) fn write(
     if has(Field::EnergyDensity) {
         cell_data.push(scalar("energy_density", |r| [r.energy_density]));
     }
-    let by_shell = |values: &dyn Fn(usize) -> f64| {
-        let mut out = vec![f64::NAN; mesh.quads.len()];
-        for (i, shell) in system.shells.iter().enumerate() {
-            out[shell.quad as usize] = values(i);
-        }
-        out
-    };
+    add_plies(mesh, system, wanted, frame, &mut cell_data);
+    let plastic = system.sections.iter().any(|s| s.section.layers.iter().any(|l| l.material.yields()));
+    if has(Field::PlasticStrain) && plastic {
+        let strains = plastic_strains(system, state);
+        cell_data.push(DataArray::new("plastic_strain", 1, by_shell(mesh, system, |i| strains[i])));
+    }
+    more::add(mesh, system, wanted, results, &mut point_data, &mut cell_data);
+    vtu::write(
+        path,
+        &VtuGrid { points: &points, quads: &mesh.quads, lines: &[], point_data, cell_data, time: frame.time },
+    )
+}
+
+/// Values of the shells on the elements of the mesh; NaN on those that are no shells.
+fn by_shell(mesh: &Mesh, system: &System, value: impl Fn(usize) -> f64) -> Vec<f64> {
+    let mut out = vec![f64::NAN; mesh.quads.len()];
+    for (i, shell) in system.shells.iter().enumerate() {
+        out[shell.quad as usize] = value(i);
+    }
+    out
+}
+
+/// Adds the wanted stresses and failure indices of plies.
+fn add_plies(
+    mesh: &Mesh,
+    system: &System,
+    wanted: &[Field],
+    frame: &Frame<'_>,
+    cell_data: &mut Vec<DataArray<'_>>,
+) {
+    let has = |field: Field| wanted.contains(&field);
     let strong =
         system.sections.iter().any(|s| s.section.layers.iter().any(|l| l.material.strength().is_some()));
     let plies = if has(Field::PlyStress) || has(Field::Failure) && strong {
@@ -173,34 +197,28 @@ pub(super) fn write(
             let failures = plies[i].iter().enumerate().filter_map(|(k, p)| Some((k, p.failure?)));
             failures.min_by(|a, b| a.1.reserve.total_cmp(&b.1.reserve))
         };
-        cell_data.push(DataArray::new("tsai_wu", 1, by_shell(&|i| worst(i).map_or(0.0, |w| w.1.tsai_wu))));
+        cell_data.push(DataArray::new(
+            "tsai_wu",
+            1,
+            by_shell(mesh, system, |i| worst(i).map_or(0.0, |w| w.1.tsai_wu)),
+        ));
         // Where there is no stress the factor has no bound, and none is shown.
         let reserve = |i| worst(i).map_or(f64::NAN, |w| w.1.reserve);
         let bounded = |x: f64| if x < f64::MAX { x } else { f64::NAN };
-        cell_data.push(DataArray::new("reserve_factor", 1, by_shell(&|i| bounded(reserve(i)))));
+        cell_data.push(DataArray::new("reserve_factor", 1, by_shell(mesh, system, |i| bounded(reserve(i)))));
         cell_data.push(DataArray::new(
             "max_stress",
             1,
-            by_shell(&|i| {
+            by_shell(mesh, system, |i| {
                 plies[i].iter().filter_map(|p| Some(p.failure?.max_stress)).fold(0.0, tegula::norm::larger)
             }),
         ));
         cell_data.push(DataArray::new(
             "critical_ply",
             1,
-            by_shell(&|i| worst(i).map_or(0.0, |w| (w.0 + 1) as f64)),
+            by_shell(mesh, system, |i| worst(i).map_or(0.0, |w| (w.0 + 1) as f64)),
         ));
     }
-    let plastic = system.sections.iter().any(|s| s.section.layers.iter().any(|l| l.material.yields()));
-    if has(Field::PlasticStrain) && plastic {
-        let strains = plastic_strains(system, state);
-        cell_data.push(DataArray::new("plastic_strain", 1, by_shell(&|i| strains[i])));
-    }
-    more::add(mesh, system, wanted, results, &mut point_data, &mut cell_data);
-    vtu::write(
-        path,
-        &VtuGrid { points: &points, quads: &mesh.quads, lines: &[], point_data, cell_data, time: frame.time },
-    )
 }
 
 /// The (first) director of each node; of a small motion, its change.

@@ -175,7 +175,12 @@ impl ResultFolder {
     fn open(path: &Path) -> Result<Self, JobError> {
         let failed = |cause| OutputError::write(path, cause);
         fs::create_dir_all(path).map_err(failed)?;
-        let log = OpenOptions::new().create(true).append(true).open(path.join("log.txt")).map_err(failed)?;
+        let log = path.join("log.txt");
+        if log.is_symlink() {
+            // As all files of a result it is a file of the folder: what a link leads to stays as it is.
+            remove(&log)?;
+        }
+        let log = OpenOptions::new().create(true).append(true).open(log).map_err(failed)?;
         match log.try_lock() {
             Ok(()) => Ok(Self { path: path.to_owned(), log }),
             Err(TryLockError::WouldBlock) => {

@@ -424,6 +424,23 @@ fn a_run_goes_on_without_the_files_that_are_gone_and_says_so() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn a_log_that_is_a_link_is_replaced_and_its_file_stays() {
+    let (deck, folder) = (deck("newmark"), tempfile::tempdir().unwrap());
+    let (out, other) = (folder.path().join("out"), folder.path().join("other.txt"));
+    run(&deck, &options(&out, false), &mut Unwatched).unwrap();
+    fs::write(&other, "keep").unwrap();
+    fs::remove_file(out.join("log.txt")).unwrap();
+    std::os::unix::fs::symlink(&other, out.join("log.txt")).unwrap();
+    run(&deck, &options(&out, false), &mut Unwatched).unwrap();
+    assert_eq!(fs::read_to_string(&other).unwrap(), "keep");
+    assert!(
+        !out.join("log.txt").is_symlink()
+            && fs::read_to_string(out.join("log.txt")).unwrap().contains("steps")
+    );
+}
+
 #[test]
 fn half_written_files_of_a_killed_run_do_not_make_a_folder_foreign() {
     let folder = tempfile::tempdir().unwrap();

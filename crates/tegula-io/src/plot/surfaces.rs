@@ -48,7 +48,7 @@ impl Default for Snapshot {
 pub struct SurfacePlot {
     /// Title above the picture; may be empty.
     pub title: String,
-    /// What follows the title and is not cut where that is too long, for example `, displacements × 200`.
+    /// End of the title, which stays whole where its beginning is cut, for example `, displacements × 200`.
     pub state: String,
     /// The instants.
     pub snapshots: Vec<Snapshot>,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::adaptive_integrals::{over_edge, over_element};
+use super::adaptive_integrals::{Integral, over_edges, over_elements};
 use super::{StepModel, Vectors};
 use crate::element::Nodal;
 use crate::element::geometry::{ShellGeometry, nodal_areas, shell_mass, tangents};
@@ -168,10 +168,12 @@ fn edge_moments(
     let directors = vectors.by_node(VectorKind::Director);
     let at = |v: u32| Vec3::from(vectors.coordinates.reference[v as usize]);
     let mut out = Vec::new();
-    for [a, b] in loaded.mesh.edges_on(set).unwrap_or_default() {
+    let edges = loaded.mesh.edges_on(set).unwrap_or_default();
+    let lengths = loaded.shares(&edges);
+    for ([a, b], lengths) in edges.into_iter().zip(lengths) {
         let [first, second] = [a, b].map(|n| vectors.coordinates.position_of[n as usize]);
         let edge = at(second) - at(first);
-        for (node, length) in [a, b].into_iter().zip(loaded.shares([a, b])) {
+        for (node, length) in [a, b].into_iter().zip(lengths) {
             // The first director of the node, unless at a fold another one stands more across the edge.
             let across = |v: &u32| at(*v).cross(&edge).norm() / (at(*v).norm() * edge.norm());
             let list = directors.get(&node).map_or(&[][..], Vec::as_slice);
@@ -393,24 +395,39 @@ impl<'a> Loaded<'a> {
         self.distribution.as_ref().map_or(1.0, |formula| formula.value(place))
     }
 
-    /// Integrals of both shape functions over an edge, times the factor.
-    fn shares(&self, edge: [u32; 2]) -> [f64; 2] {
-        let ends = edge.map(|n| self.mesh.positions[n as usize]);
-        match &self.distribution {
-            None => [0.5 * (ends[0] - ends[1]).norm(); 2],
-            Some(_) => over_edge(ends, |x| self.factor_at(x)).map_or([f64::NAN; 2], |whole| whole.nodal),
-        }
+    /// Integrals over elements with the factor, which has been checked.
+    fn weighted(&self, quads: &[[u32; 4]]) -> Vec<Integral<4>> {
+        let places: Vec<[Vec3; 4]> = quads.iter().map(|quad| self.places(quad)).collect();
+        over_elements(&places, |x| self.factor_at(x)).unwrap_or_default()
     }
 
-    /// Integrals of the shape functions over an element, times the factor.
-    fn weighted_areas(&self, places: &[Vec3; 4]) -> [f64; 4] {
-        over_element(places, |x| self.factor_at(x)).map_or([f64::NAN; 4], |whole| whole.nodal)
+    /// Integrals of both shape functions over edges, times the factor.
+    fn shares(&self, edges: &[[u32; 2]]) -> Vec<[f64; 2]> {
+        let ends: Vec<[Vec3; 2]> = edges.iter().map(|edge| self.places(edge)).collect();
+        if self.distribution.is_none() {
+            return ends.iter().map(|[a, b]| [0.5 * (a - b).norm(); 2]).collect();
+        }
+        let parts = over_edges(&ends, |x| self.factor_at(x)).unwrap_or_default();
+        parts.iter().map(|part| part.nodal).collect()
+    }
+
+    fn places<const N: usize>(&self, nodes: &[u32; N]) -> [Vec3; N] {
+        nodes.map(|node| self.mesh.positions[node as usize])
     }
 
     /// Body that a number behind those of the nodes stands for.
     fn body(&self, node: u32) -> Option<&Body> {
         self.coordinates.bodies.get((node as usize).checked_sub(self.mesh.positions.len())?)
     }
+}
+
+/// Sums of the shares of nodes.
+fn summed<const N: usize>(parts: impl Iterator<Item = ([u32; N], [f64; N])>) -> BTreeMap<u32, f64> {
+    let mut out = BTreeMap::new();
+    for (node, share) in parts.flat_map(|(nodes, shares)| nodes.into_iter().zip(shares)) {
+        *out.entry(node).or_default() += share;
+    }
+    out
 }
 
 impl LoadedMesh for Loaded<'_> {
@@ -431,37 +448,26 @@ impl LoadedMesh for Loaded<'_> {
         self.mesh.positions.get(node as usize).map_or(1.0, |place| self.factor_at(place))
     }
 
-    fn mean_factor(&self, quad: &[u32; 4]) -> f64 {
+    fn mean_factors(&self, quads: &[[u32; 4]]) -> Vec<f64> {
         if self.distribution.is_none() {
-            return 1.0;
+            return vec![1.0; quads.len()];
         }
-        let places = quad.map(|n| self.mesh.positions[n as usize]);
-        self.weighted_areas(&places).iter().sum::<f64>() / nodal_areas(&places).iter().sum::<f64>()
+        self.weighted(quads).iter().map(|part| part.nodal.iter().sum::<f64>() / part.measure).collect()
     }
 
     fn lengths(&self, set: &str) -> BTreeMap<u32, f64> {
-        let mut out = BTreeMap::new();
-        for [a, b] in self.mesh.edges_on(set).unwrap_or_default() {
-            for (node, length) in [a, b].into_iter().zip(self.shares([a, b])) {
-                *out.entry(node).or_default() += length;
-            }
-        }
-        out
+        let edges = self.mesh.edges_on(set).unwrap_or_default();
+        let lengths = self.shares(&edges);
+        summed(edges.into_iter().zip(lengths))
     }
 
     fn areas(&self, set: &str) -> BTreeMap<u32, f64> {
-        let mut out = BTreeMap::new();
-        for nodes in self.quads(set) {
-            let places = nodes.map(|n| self.mesh.positions[n as usize]);
-            let areas = match &self.distribution {
-                None => nodal_areas(&places),
-                Some(_) => self.weighted_areas(&places),
-            };
-            for (node, area) in nodes.into_iter().zip(areas) {
-                *out.entry(node).or_default() += area;
-            }
-        }
-        out
+        let quads = self.quads(set);
+        let areas: Vec<[f64; 4]> = match &self.distribution {
+            None => quads.iter().map(|quad| nodal_areas(&self.places(quad))).collect(),
+            Some(_) => self.weighted(&quads).iter().map(|part| part.nodal).collect(),
+        };
+        summed(quads.into_iter().zip(areas))
     }
 
     fn vectors(&self, node: u32) -> [u32; 2] {

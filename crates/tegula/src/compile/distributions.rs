@@ -1,6 +1,6 @@
 //! Checks of the distributions of loads: formulas in the coordinates that multiply their values.
 
-use super::adaptive_integrals::{over_edge, over_element};
+use super::adaptive_integrals::{WithoutIntegral, over_edges, over_elements};
 use crate::Vec3;
 use crate::checker::Checker;
 use crate::load::PlaceFormula;
@@ -30,23 +30,11 @@ impl Checker {
             Some(WithoutIntegral::Divergent(place)) => self.add(
                 key,
                 format!("the integral of the distribution does not converge at {}", crate::mesh::show(place)),
-                "look for a division by a number that becomes 0 there; a formula that varies very fast needs smaller elements",
+                "look for a division by a number that becomes 0 there, and for features that are far smaller than the elements",
             ),
         }
     }
 }
-
-/// Why a distribution has no resultant.
-enum WithoutIntegral {
-    /// It has no finite value at a place.
-    Undefined(Vec3),
-    /// Its integral does not converge at a place.
-    Divergent(Vec3),
-}
-
-/// Integral of the absolute value over an edge or element below which it plays no part in that over the set: the far flank of a narrow peak needs not
-/// be resolved.
-const NEGLIGIBLE: f64 = 1e-9;
 
 /// Why the distribution of a load has no resultant: a node of its set, or a place between two ends of an edge or on a diagonal of an element, at
 /// which it has no value, or a place at which its integral does not converge.
@@ -58,34 +46,22 @@ fn without_integral(mesh: &Mesh, load: &Load, formula: &PlaceFormula) -> Option<
     if let Some(at) = nodes.into_iter().map(place).find(without_value) {
         return Some(WithoutIntegral::Undefined(at));
     }
-    let edges = if load.part() == LoadedPart::Edges { mesh.edges_on(load.on()) } else { None };
-    let quads = if load.part() == LoadedPart::Quads { mesh.quads_on(load.on()) } else { None };
-    let of_edge = |edge: [u32; 2]| {
-        let ends = edge.map(place);
-        (vec![ends], over_edge(ends, value).map(|whole| (whole.size, whole.divergent_at)))
-    };
-    let of_quad = |quad: u32| {
-        let x = mesh.quads[quad as usize].map(place);
-        let whole = over_element(&x, value).map(|whole| (whole.size, whole.divergent_at));
-        (vec![[x[0], x[2]], [x[1], x[3]]], whole)
-    };
-    let parts = edges.into_iter().flatten().map(of_edge).chain(quads.into_iter().flatten().map(of_quad));
-    let (mut total, mut divergent) = (0.0, Vec::new());
-    for (lines, whole) in parts {
-        let pole = || lines.iter().find_map(|ends| formula.pole(*ends));
-        // Steep flanks of finite height look like poles: the integral decides.
-        if let Some(at) = pole().filter(without_value) {
-            return Some(WithoutIntegral::Undefined(at));
+    let corners_of = |quad: u32| mesh.quads[quad as usize].map(place);
+    let edges: Vec<[Vec3; 2]> = match load.part() {
+        LoadedPart::Edges => {
+            mesh.edges_on(load.on()).into_iter().flatten().map(|edge| edge.map(place)).collect()
         }
-        match whole {
-            Err(at) => return Some(WithoutIntegral::Undefined(at)),
-            Ok((size, at)) => {
-                total += size;
-                // The search along a line finds the place of a pole more exactly.
-                divergent.extend(at.map(|at| (size, pole().unwrap_or(at))));
-            }
-        }
+        _ => Vec::new(),
+    };
+    let elements: Vec<[Vec3; 4]> = match load.part() {
+        LoadedPart::Quads => mesh.quads_on(load.on()).into_iter().flatten().map(corners_of).collect(),
+        _ => Vec::new(),
+    };
+    // Steep flanks of finite height look like poles: the integral decides.
+    let diagonals = elements.iter().flat_map(|x| [[x[0], x[2]], [x[1], x[3]]]);
+    let mut lines = edges.iter().copied().chain(diagonals);
+    if let Some(at) = lines.find_map(|ends| formula.pole(ends).filter(without_value)) {
+        return Some(WithoutIntegral::Undefined(at));
     }
-    let counts = |(size, at): (f64, Vec3)| (size > NEGLIGIBLE * total).then_some(at);
-    divergent.into_iter().find_map(counts).map(WithoutIntegral::Divergent)
+    over_edges(&edges, value).err().or_else(|| over_elements(&elements, value).err())
 }

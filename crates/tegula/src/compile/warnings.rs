@@ -122,6 +122,7 @@ pub fn warnings_at_start(step: &StepModel, system: &System) -> Vec<Issue> {
 
 fn independent_of_the_start(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     let mut found = zero_loads(model);
+    found.extend(zero_distributions(model, system));
     found.extend(super::cuts::idle(model, mesh, system));
     found.extend(idle_switches(model));
     found.extend(super::guided_axes::wheels_beside_carriers(model));
@@ -452,6 +453,31 @@ fn zero_loads(model: &Model) -> Vec<Issue> {
             format!("loads[{i}].value"),
             format!("the load is zero{times}"),
             "give its value, or leave it out",
+        )
+    })
+    .collect()
+}
+
+/// Loads of a value whose distribution is 0 everywhere on their set.
+fn zero_distributions(model: &Model, system: &System) -> Vec<Issue> {
+    let numbered = |numbers: &[usize], number: usize| {
+        let of: Vec<usize> =
+            numbers.iter().enumerate().filter(|(_, n)| **n == number).map(|(k, _)| k).collect();
+        of.into_iter()
+    };
+    let is_zero = |number: usize| {
+        let dead = numbered(&system.load_of_dead, number)
+            .all(|k| system.dead_loads[k].force.iter().all(|force| *force == [0.0; 3]));
+        let followers = numbered(&system.load_of_follower, number).all(|k| system.followers[k].is_zero());
+        dead && followers
+    };
+    let with_value = |load: &Load| load.distribution().is_some() && load.values().iter().any(|v| *v != 0.0);
+    let list = model.loads.iter().enumerate().filter(|(i, load)| with_value(load) && is_zero(*i));
+    list.map(|(i, load)| {
+        Issue::new(
+            format!("loads[{i}].distribution"),
+            format!("the distribution is 0 everywhere on set \"{}\": the load is zero", load.on()),
+            "look at its coordinates and their unit, or leave the load out",
         )
     })
     .collect()

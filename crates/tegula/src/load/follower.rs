@@ -73,6 +73,17 @@ pub enum FollowerLoad {
 }
 
 impl FollowerLoad {
+    /// Whether it is zero at every factor; a load of a caller never counts as that.
+    pub fn is_zero(&self) -> bool {
+        match self {
+            Self::Pressure { pressure, .. } => *pressure == 0.0,
+            Self::Moment { moment, .. }
+            | Self::EdgeMoment { moment, .. }
+            | Self::BodyMoment { moment, .. } => *moment == Vec3::zeros(),
+            Self::Own { .. } => false,
+        }
+    }
+
     /// Nodal vectors on which the load acts.
     pub fn vectors(&self) -> &[u32] {
         match self {

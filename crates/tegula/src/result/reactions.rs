@@ -120,34 +120,12 @@ impl ReactionFinder {
                 u: Cow::Borrowed(&new.u),
             },
         };
-        let earlier = earlier_forces(system, new);
+        let earlier = FORCE_FREE * earlier_forces(system, new);
         let out = self.sum(system, &forces, earlier);
         if system.prescribed_strains.is_empty() || larger(out.force_error, out.moment_error) <= FORCE_FREE {
             return out;
         }
-        let round_off = ROUND_OFF * self.stretching_force(system, new);
-        self.sum(system, &forces, larger(earlier, round_off / FORCE_FREE))
-    }
-
-    /// Force of a strain of 1 of the whole model. Strains are exact to the round-off of 1, and where parts follow their prescribed strains freely,
-    /// the forces of this round-off are all that is left.
-    fn stretching_force(&self, system: &System, state: &State) -> f64 {
-        let coordinates = &system.coordinates;
-        let mut stretch = vec![[0.0; 3]; system.vectors()];
-        for &v in coordinates.position_of.iter().filter(|&&v| v != u32::MAX) {
-            stretch[v as usize] = coordinates.reference[v as usize];
-        }
-        let internal = Internal { history: &state.history, multipliers: &state.multipliers };
-        let k = EvaluationPoint::at_rest(system, &state.u, state.time, internal);
-        let factors: Vec<f64> = system.factors(state.time).collect();
-        let mut energy = 0.0;
-        for (g, group, _) in system.numbered_groups().filter(|(_, group, _)| group.stresses_per_element() > 0)
-        {
-            let mut energies = vec![0.0; group.len()];
-            group.material_energies(&k.of_group(system, g, &factors), &stretch, &mut energies);
-            energy += energies.iter().filter(|energy| energy.is_finite()).sum::<f64>();
-        }
-        energy / system.length
+        self.sum(system, &forces, larger(earlier, ROUND_OFF * stretching_force(system, new)))
     }
 
     /// HHT: internal forces, damping and loads between the ends of the step, inertia of its accelerations.
@@ -203,8 +181,8 @@ impl ReactionFinder {
         Internals { nodal, cuts: system.cut_forces(&self.assembly) }
     }
 
-    /// Resultants and balance.
-    fn sum(&mut self, system: &System, forces: &Forces, earlier: f64) -> Equilibrium {
+    /// Resultants and balance; forces below `least` are round-off.
+    fn sum(&mut self, system: &System, forces: &Forces, least: f64) -> Equilibrium {
         let u = forces.u.as_ref();
         let zero = vec![[0.0; 3]; u.len()];
         let cuts = cut_resultants(system, u, &forces.internal.cuts);
@@ -240,7 +218,7 @@ impl ReactionFinder {
             // Joints and springs transfer forces to the ground, with which the internal forces have a resultant.
             balance.add(system, u, &forces.internal.nodal, -1.0);
         }
-        (out.force_error, out.moment_error) = balance.errors(FORCE_FREE * earlier, system.length);
+        (out.force_error, out.moment_error) = balance.errors(least, system.length);
         out
     }
 }
@@ -343,7 +321,28 @@ fn combine([a, b]: [f64; 2], x: &[Nodal], y: &[Nodal]) -> Vec<Nodal> {
 /// Forces over those of earlier load steps below which a state is free of forces, up to round-off.
 const FORCE_FREE: f64 = 1e-8;
 
-/// Round-off of strains that are differences of numbers of the size 1, summed up over a model.
+/// Strain energy of a uniform strain of 1 over the length of the model: a force. Strains are differences of numbers of the size 1, and where parts
+/// follow their prescribed strains freely, the forces of the round-off of these numbers are all that is left.
+fn stretching_force(system: &System, state: &State) -> f64 {
+    let coordinates = &system.coordinates;
+    let mut stretch = vec![[0.0; 3]; system.vectors()];
+    for &v in coordinates.position_of.iter().filter(|&&v| v != u32::MAX) {
+        let v = v as usize;
+        stretch[v] = std::array::from_fn(|i| coordinates.reference[v][i] + state.u[v][i]);
+    }
+    let internal = Internal { history: &state.history, multipliers: &state.multipliers };
+    let k = EvaluationPoint::at_rest(system, &state.u, state.time, internal);
+    let factors: Vec<f64> = system.factors(state.time).collect();
+    let mut energy = 0.0;
+    for (g, group, _) in system.numbered_groups().filter(|(_, group, _)| group.stresses_per_element() > 0) {
+        let mut energies = vec![0.0; group.len()];
+        group.material_energies(&k.of_group(system, g, &factors), &stretch, &mut energies);
+        energy += energies.iter().filter(|energy| energy.is_finite()).sum::<f64>();
+    }
+    energy / system.length
+}
+
+/// Forces over that of a uniform strain of 1 below which they are the round-off of strains, summed up over a model.
 const ROUND_OFF: f64 = 1e-10;
 
 /// Size of the forces of the earlier states of a static analysis step: its largest energy over its largest displacement.

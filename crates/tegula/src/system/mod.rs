@@ -320,6 +320,11 @@ impl System {
         self.groups.iter().any(|group| group.acts_on_ground())
     }
 
+    /// Whether there are springs or other elements without strains, which may be far stiffer than shells and beams.
+    pub fn has_force_elements(&self) -> bool {
+        self.groups.iter().any(|group| !group.is_empty() && group.stresses_per_element() == 0)
+    }
+
     /// Factors of the prescribed strains at a time, and behind them the values of the drives of all joints.
     pub fn factors(&self, time: f64) -> impl Iterator<Item = f64> + '_ {
         let strains = self.prescribed_strains.iter().map(move |field| self.factor(&field.factor, time));

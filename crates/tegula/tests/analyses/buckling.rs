@@ -459,12 +459,6 @@ fn strains_that_a_structure_follows_freely_are_refused() {
         fix("u_min_v_min", &[Axis::Y]),
     ];
     m.loads.clear();
-    m.prescribed_strains = vec![PrescribedStrain::Natural(NaturalStrain {
-        on: "all".into(),
-        strain: [1e-3, 1e-3, 0.0],
-        curvature: [0.0; 3],
-        direction: [1.0, 0.0, 0.0],
-        amplitude: None,
-    })];
+    m.prescribed_strains = vec![crate::common::natural([1e-3, 1e-3, 0.0], [0.0; 3], None)];
     assert!(message(&m).contains("produce no stress"), "{}", message(&m));
 }

@@ -448,14 +448,7 @@ fn paths_begin_where_natural_curvature_has_bent_a_strip() {
         material.poisson = 0.0;
     }
     m.loads.clear();
-    let bent = NaturalStrain {
-        on: "all".into(),
-        strain: [0.0; 3],
-        curvature: [1.0, 0.0, 0.0],
-        direction: [1.0, 0.0, 0.0],
-        amplitude: None,
-    };
-    m.prescribed_strains = vec![PrescribedStrain::Natural(bent)];
+    m.prescribed_strains = vec![crate::common::natural([0.0; 3], [1.0, 0.0, 0.0], None)];
     let first = PathAnalysis { end_load: 0.4, ..Default::default() };
     let steps = vec![
         AnalysisStep::new("first", Analysis::Path(first)),

@@ -5,6 +5,7 @@ use crate::common::{
     Notes, compile, displacement, hinged_roof, model, on, plate, quarter_cylinder, side_by_side,
     static_options, vector_load,
 };
+use crate::multibody::spring;
 use tegula::analysis::statics::{self, StaticOutcome};
 use tegula::compile::build;
 use tegula::mesh::generators::generate;
@@ -159,4 +160,26 @@ fn buckling_of_a_straight_column_is_told_as_bifurcation() {
     let (_, reason, help) = failure(&column(None, LinearSolver::Direct));
     assert!(reason.starts_with("bifurcation point (buckling): 1 negative pivot"), "{reason}");
     assert!(help.contains("imperfection") && help.contains("allow_unstable"), "{help}");
+}
+
+/// A spring along the loaded edge bears nothing, but the rotation of its first increment stretches it by far more than the load. The column buckles at
+/// π² E I/(4 L²) = 205.6 N for each unit of its width, on this mesh at 206.46, whatever the spring.
+#[test]
+fn columns_beside_stiff_springs_buckle_at_their_load() {
+    for power in [0, 10, 12, 13, 14] {
+        for load in [200.0, 215.0] {
+            let mut m = model(plate([1.0, 0.2], [10, 2], 0.0), 1e9, 0.01);
+            m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(1e9, 0.0, 1.0)));
+            let ends = [[1.0, 0.7, 0.0], [1.0, 0.2, 0.0]];
+            m.springs = vec![spring("s", ["ground", "u_max_v_max"], ends, 10_f64.powi(power))];
+            m.loads = vec![Load::Edge(vector_load("u_max", [-load, 0.0, 0.0]))];
+            if load < 206.0 {
+                assert_eq!(run(&m).unwrap().negative_pivots, 0, "{power}");
+                continue;
+            }
+            let (factor, reason, _) = failure(&m);
+            assert!((load * factor / 206.455 - 1.0).abs() < 2e-3, "1e{power}: {}", load * factor);
+            assert!(reason.starts_with("bifurcation point"), "1e{power}: {reason}");
+        }
+    }
 }

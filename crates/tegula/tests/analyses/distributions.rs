@@ -1,7 +1,7 @@
 //! Loads with a distribution: a formula in the coordinates that multiplies their value.
 
 use crate::common::{self, compile, plate};
-use tegula::compile::{build, check};
+use tegula::compile::{build, check, warnings};
 use tegula::element::Motion;
 use tegula::mesh::generators::generate;
 use tegula::model::*;
@@ -68,7 +68,7 @@ fn distributions_that_vary_within_elements_keep_their_total() {
     let m = loaded(Load::Edge(vector_load("u_max", [0.0, 0.0, 1.0], "exp(-(y - 0.47)^2/0.1^2)")));
     let found = sum(&m, |_| 1.0).z / (std::f64::consts::PI.sqrt() * 0.1);
     assert!((found - 1.0).abs() < 2e-3, "{found}");
-    // A tenth and a hundredth of an element are found where a point of the first divisions lies on the flank.
+    // Ridges of a sixteenth and a hundredth of an element: at the points of the first divisions the flank is not yet 0.
     for width in [0.03, 0.004] {
         let ridge = format!("exp(-(x - 0.93)^2/{width}^2)");
         let m = loaded(Load::Traction(vector_load("all", [0.0, 0.0, 1.0], &ridge)));
@@ -162,4 +162,53 @@ fn distributions_without_meaning_are_refused() {
         assert!(issues.iter().all(|i| i.place.key == "loads[0].distribution"), "{issues:?}");
         assert!(build(&m, &mesh).is_err(), "{distribution}");
     }
+}
+
+#[test]
+fn distributions_that_are_zero_on_the_whole_set_are_a_warning() {
+    let keys = |distribution: &str| PressureLoad {
+        on: "all".into(),
+        value: 3.0,
+        distribution: Some(distribution.into()),
+        amplitude: None,
+    };
+    // The plate ends at y = 1.
+    for (distribution, count) in [("max(y - 2, 0)", 1), ("max(y - 0.9, 0)", 0)] {
+        let value = [0.0, 0.0, 1.0];
+        for load in [
+            Load::Pressure(keys(distribution)),
+            Load::Traction(vector_load("all", value, distribution)),
+            Load::Edge(vector_load("u_max", value, distribution)),
+            Load::EdgeMoment(vector_load("u_max", value, distribution)),
+            Load::Force(vector_load("u_max", value, distribution)),
+        ] {
+            let m = loaded(load);
+            let mesh = generate(&m.mesh).unwrap();
+            let found = warnings(&m, &mesh, &build(&m, &mesh).unwrap());
+            let zero = found.iter().filter(|w| w.message.contains("the load is zero"));
+            assert_eq!(zero.count(), count, "{distribution}: {found:?}");
+        }
+    }
+}
+
+/// The mean of 1 is 1, also over a warped element, whose area is no polynomial of the natural coordinates.
+#[test]
+fn a_pressure_with_the_distribution_one_is_the_pressure() {
+    let warped = || {
+        let mut mesh = generate(&plate([1.0, 1.0], [1, 1], 0.0)).unwrap();
+        mesh.positions[3].z = 1.0;
+        mesh
+    };
+    let total = |distribution: Option<String>| {
+        let mut m = common::model(plate([1.0, 1.0], [1, 1], 0.0), 1.0, 0.1);
+        let keys = PressureLoad { on: "all".into(), value: 1.0, distribution, amplitude: None };
+        m.loads = vec![Load::Pressure(keys)];
+        let system = build(&m, &warped()).unwrap();
+        let u = vec![[0.0; 3]; system.vectors()];
+        let mut out = u.clone();
+        add_follower_loads(&system, &Motion::State { u: &u, velocity: None }, 1.0, 1.0, &mut out);
+        out.iter().map(|f| Vec3::from(*f)).sum::<Vec3>()
+    };
+    let (with, without) = (total(Some("1".into())), total(None));
+    assert!((with - without).norm() < 1e-12 * without.norm(), "{with} {without}");
 }

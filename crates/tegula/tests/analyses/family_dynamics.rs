@@ -200,15 +200,7 @@ fn prescribed_strains_in_time_close_the_energy_balance() {
     let mut m = soft_plate(ElementKind::Cm);
     let law = NeoHookean { shear: 4e4, bulk: 1e5, density: 1e3, form: NeoHookeanForm::Split };
     m.materials.insert("m".into(), Material::NeoHookean(law));
-    let natural = |amplitude| {
-        PrescribedStrain::Natural(NaturalStrain {
-            on: "all".into(),
-            strain: [0.05, 0.0, 0.0],
-            curvature: [0.1, 0.0, 0.0],
-            direction: [1.0, 0.0, 0.0],
-            amplitude,
-        })
-    };
+    let natural = |amplitude| common::natural([0.05, 0.0, 0.0], [0.1, 0.0, 0.0], amplitude);
     m.prescribed_strains = vec![natural(pulsing(&mut m))];
     check_balance("rubber", &m, true, 2);
     let mut m = yielding(ElementKind::Mitc4);
@@ -255,13 +247,7 @@ fn plastic_flow_at_time_zero_is_in_the_first_energies() {
         let mut m = yielding(element);
         m.initial_velocities.clear();
         m.loads.clear();
-        m.prescribed_strains = vec![PrescribedStrain::Natural(NaturalStrain {
-            on: "all".into(),
-            strain: [0.0; 3],
-            curvature: [0.2, 0.0, 0.0],
-            direction: [1.0, 0.0, 0.0],
-            amplitude: None,
-        })];
+        m.prescribed_strains = vec![common::natural([0.0; 3], [0.2, 0.0, 0.0], None)];
         let explicit = Scheme::Explicit(ExplicitScheme::default());
         for o in [
             options(NEWMARK, 4e-4, 1e-4),

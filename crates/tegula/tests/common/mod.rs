@@ -23,6 +23,12 @@ pub fn model(mesh: MeshSource, young: f64, thickness: f64) -> Model {
     model
 }
 
+/// A natural strain and curvature of the whole model along x and y.
+pub fn natural(strain: [f64; 3], curvature: [f64; 3], amplitude: Option<String>) -> PrescribedStrain {
+    let direction = [1.0, 0.0, 0.0];
+    PrescribedStrain::Natural(NaturalStrain { on: "all".into(), strain, curvature, direction, amplitude })
+}
+
 /// Sect. 5.2 of the paper: x = sin θ, z = 1 − cos θ, θ from 0 to 90°, h = 0.01, clamped at θ = 0.
 pub fn quarter_cylinder(n: u32, young: f64) -> Model {
     let mesh = MeshSource::Cylinder(CylinderMesh {

@@ -1,5 +1,6 @@
 //! Convergence of Newton's method: energy and norm of the increments, constraints, round-off.
 
+use super::FactoredTangent;
 use super::iteration::{Failed, Progress, Setting, Size};
 use super::{Cause, Converged, Equation, Newton, ROUND_OFF, Tolerances, largest};
 use crate::analysis::Observer;
@@ -14,6 +15,13 @@ pub(super) const OPEN: f64 = 1e-9;
 
 /// Energy of increments over that of the model, below which they may stall: displacements are then right to eight digits.
 const STALLED: f64 = 1e-16;
+
+/// Energy of an increment over that of the model, up to which the tangent that gave it decides on the stability in models with springs. At the iterate of
+/// that tangent a spring of the stiffness k may have the force √(2 k e) too much for an energy e, which beside a soft structure would be
+/// a stabilising tension or compression.
+const JUDGED: f64 = 1e-18;
+/// Largest number of further tangents for that.
+const MOST_ASKED: u32 = 3;
 
 /// Increment over the size of the model that is round-off of places.
 const PLACES: f64 = 1e-14;
@@ -57,6 +65,9 @@ impl<S: TangentSolver> Newton<S> {
             fresh: !setting.reuse,
             absolute: [energy, norm],
         });
+        if !setting.reuse {
+            progress.tangent_energy = relative;
+        }
         // The error behind an increment is the increment times the contraction.
         let error = self.increments.contraction().powi(2).min(1.0) * energy;
         let left = if rest < 1.0 { error } else { energy };
@@ -87,6 +98,12 @@ impl<S: TangentSolver> Newton<S> {
             let rests = energy == 0.0 && norm == 0.0;
             let violation = self.violation(system, equation);
             if violation <= if rests { OPEN } else { larger(CLOSED, self.round_off).min(OPEN) } {
+                let open = progress.tangent_energy > JUDGED && progress.asked < MOST_ASKED && !rests;
+                if open && !in_time && !system.linear && system.has_force_elements() {
+                    progress.asked += 1;
+                    self.factored = FactoredTangent::Nothing;
+                    return Ok(None);
+                }
                 return Ok(Some(done));
             }
             if rests && let Some(open) = self.open_joint(system, equation) {

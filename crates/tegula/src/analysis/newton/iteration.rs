@@ -25,6 +25,10 @@ pub(super) struct Progress {
     pub(super) tangents: u32,
     /// Negative pivots of the last tangent.
     pub(super) negative_pivots: usize,
+    /// Energy, over that of the model, of the increment that the last new tangent gave.
+    pub(super) tangent_energy: f64,
+    /// Number of tangents that were asked for behind convergence, to judge the stability.
+    pub(super) asked: u32,
     /// Norm of the first increment, before the step limiter.
     pub(super) first_increment: f64,
     /// Whether the stress of the iterate is extrapolated from the last increment (mixed form).
@@ -74,6 +78,8 @@ impl<S: TangentSolver> Newton<S> {
         let mut progress = Progress {
             tangents: 0,
             negative_pivots: 0,
+            tangent_energy: f64::INFINITY,
+            asked: 0,
             first_increment: 0.0,
             extrapolated: true,
             limit: f64::INFINITY,

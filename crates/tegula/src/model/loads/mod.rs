@@ -49,8 +49,8 @@ pub trait LoadedMesh {
     fn quads(&self, set: &str) -> Vec<[u32; 4]>;
     /// Factor φ of the distribution of the load at a node; 1 where it has none.
     fn factor(&self, node: u32) -> f64;
-    /// Mean of the factor φ over a quad, given by its nodes.
-    fn mean_factor(&self, quad: &[u32; 4]) -> f64;
+    /// Means of the factor φ over quads, given by their nodes.
+    fn mean_factors(&self, quads: &[[u32; 4]]) -> Vec<f64>;
     /// Integral ∫N_a φ ds over an edge set with the factor φ of the distribution: the length that each of its nodes stands for (length).
     fn lengths(&self, set: &str) -> BTreeMap<u32, f64>;
     /// Integral ∫N_a φ dA over a quad set: the area that each of its nodes stands for (length²).

@@ -12,8 +12,10 @@ impl LoadKind for Pressure {
     const PART: LoadedPart = LoadedPart::Quads;
 
     fn actions(keys: &PressureLoad, mesh: &dyn LoadedMesh) -> Vec<Action> {
-        let quads = mesh.quads(&keys.on).into_iter();
-        quads.map(|quad| Action::Pressure { quad, pressure: keys.value * mesh.mean_factor(&quad) }).collect()
+        let quads = mesh.quads(&keys.on);
+        let factors = mesh.mean_factors(&quads);
+        let pairs = quads.into_iter().zip(factors);
+        pairs.map(|(quad, factor)| Action::Pressure { quad, pressure: keys.value * factor }).collect()
     }
 
     fn example() -> PressureLoad {
