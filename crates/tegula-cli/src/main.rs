@@ -15,6 +15,7 @@ mod html_report;
 mod info;
 mod interrupt;
 mod locking;
+mod man;
 mod new;
 mod progress;
 mod render;
@@ -68,6 +69,8 @@ enum Command {
     Locking(locking::Locking),
     /// Print the script with which a shell completes commands and options
     Completions(completions::Arguments),
+    /// Write the manual pages of the program and its commands into a folder
+    Man(man::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -89,6 +92,7 @@ fn main() -> ExitCode {
         Command::Schema => (schema::run(), false),
         Command::Info(arguments) => (info::run(&arguments), arguments.json),
         Command::Completions(arguments) => (completions::run(&arguments), false),
+        Command::Man(arguments) => (man::run(&arguments), false),
         Command::Verify(verify) => return verify.run(),
         Command::Locking(locking) => return locking.run(),
     };

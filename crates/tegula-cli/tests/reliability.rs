@@ -296,6 +296,23 @@ fn shells_get_their_completions() {
 }
 
 #[test]
+fn each_command_has_a_manual_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let pages = folder.path().join("share/man1");
+    let output = program().args(["man", text(&pages)]).output().unwrap();
+    assert!(output.status.success(), "{}", errors(&output));
+    for (page, part) in [("tegula.1", "Exit codes"), ("tegula-run.1", "resume"), ("tegula-render.1", "RESULT")] {
+        let page = fs::read_to_string(pages.join(page)).unwrap();
+        assert!(page.starts_with(".") && page.contains(".TH") && page.contains(part), "{page}");
+    }
+    let file = folder.path().join("file");
+    fs::write(&file, "").unwrap();
+    let refused = program().args(["man", text(&file)]).output().unwrap();
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(errors(&refused).contains("the manual pages cannot be written to"), "{}", errors(&refused));
+}
+
+#[test]
 fn new_models_name_the_schema_that_lies_beside_them() {
     let folder = tempfile::tempdir().unwrap();
     let new = |name: &str| {

@@ -267,7 +267,11 @@ fn patches(plot: &SurfacePlot, seen: &[Vec<Vec3>], axis: Option<&Axis>) -> (Vec<
 
 /// Colours at the corners of each element.
 fn colours(plot: &SurfacePlot, number: usize, snapshot: &Snapshot, axis: Option<&Axis>) -> Vec<[Rgb; 4]> {
-    let Some(axis) = axis else { return vec![[of_instant(plot, number); 4]; plot.quads.len()] };
+    let Some(axis) = axis else {
+        let without = snapshot.values.is_none() && snapshot.nodal.is_none();
+        let colour = if without { of_instant(plot, number) } else { Rgb::MISSING };
+        return vec![[colour; 4]; plot.quads.len()];
+    };
     // Values beyond a given range have the colours of its ends.
     let colour = |value: f64| axis.place(value).map_or(Rgb::MISSING, viridis);
     if let Some(nodal) = &snapshot.nodal {
@@ -431,6 +435,16 @@ mod tests {
         assert!(coloured(&plot) > 0.1);
         assert!(draw(&plot).unwrap().pixels() != smooth, "each element has the colour of its value");
         save("one.png", &plot);
+    }
+
+    #[test]
+    fn a_field_without_any_value_is_grey() {
+        let mut plot = pendulum(2, 1);
+        plot.snapshots[0].nodal = None;
+        plot.snapshots[0].values = Some(vec![f64::NAN; plot.quads.len()]);
+        assert_eq!(colours(&plot, 0, &plot.snapshots[0], None), vec![[Rgb::MISSING; 4]; plot.quads.len()]);
+        plot.snapshots[0].values = None;
+        assert_eq!(colours(&plot, 0, &plot.snapshots[0], None), vec![[of_instant(&plot, 0); 4]; plot.quads.len()]);
     }
 
     #[test]

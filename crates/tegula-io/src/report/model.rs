@@ -133,7 +133,8 @@ fn section_name(section: &Section, mesh: &Mesh) -> String {
         None if mesh.thickness.is_some() && section.thickness == 0.0 => section.material.clone(),
         None => format!("{}, thickness {}", section.material, significant(section.thickness, DIGITS)),
     };
-    format!("{}: {layers}", section.on)
+    let varying = section.thickness_distribution.as_ref().map_or(String::new(), |f| format!(" × ({f})"));
+    format!("{}: {layers}{varying}", section.on)
 }
 
 /// Analysis, size and mass of a model.
@@ -176,6 +177,8 @@ fn parts_of(deck: &Deck) -> String {
                 Some((key, _)) => (key.to_owned(), String::new()),
                 None => (section.material.clone(), significant(section.thickness, DIGITS)),
             };
+            let factor = section.thickness_distribution.as_ref().map(|f| format!(" × ({f})"));
+            let thickness = format!("{thickness}{}", factor.unwrap_or_default());
             vec![section.on.clone(), word(&section.element), material, thickness]
         })
         .collect();

@@ -309,7 +309,13 @@ fn bimetal_curvature(
         ..Section::new("", 0.0)
     };
     model.conditions = vec![Condition::Clamp(tegula::model::OnSet { on: "u_min".into() })];
-    let thermal = ThermalStrain { on: "all".into(), temperature: heat, gradient: 0.0, amplitude: None };
+    let thermal = ThermalStrain {
+        distribution: None,
+        on: "all".into(),
+        temperature: heat,
+        gradient: 0.0,
+        amplitude: None,
+    };
     model.prescribed_strains = vec![PrescribedStrain::Thermal(thermal)];
     let mesh = tegula::mesh::generators::generate(&source)?;
     let system = build(&model, &mesh)?;

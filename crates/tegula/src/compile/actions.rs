@@ -452,7 +452,7 @@ impl LoadedMesh for Loaded<'_> {
         if self.distribution.is_none() {
             return vec![1.0; quads.len()];
         }
-        self.weighted(quads).iter().map(|part| part.nodal.iter().sum::<f64>() / part.measure).collect()
+        self.weighted(quads).iter().map(Integral::mean).collect()
     }
 
     fn lengths(&self, set: &str) -> BTreeMap<u32, f64> {

@@ -98,6 +98,11 @@ impl<const N: usize> Integral<N> {
         self.measure += other.measure;
     }
 
+    /// Mean of the factor.
+    pub(super) fn mean(&self) -> f64 {
+        self.nodal.iter().sum::<f64>() / self.measure
+    }
+
     fn difference(&self, other: &Self) -> f64 {
         self.nodal.iter().zip(other.nodal).map(|(a, b)| (a - b).abs()).sum()
     }

@@ -198,6 +198,10 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
     loads_of(model, mesh, &mut c);
     for (i, p) in model.prescribed_strains.iter().enumerate() {
         drop(c.set(mesh, format!("prescribed_strains[{i}].on"), p.on(), "quads", Mesh::quads_on));
+        if let Some(text) = p.distribution() {
+            let key = format!("prescribed_strains[{i}].distribution");
+            c.distribution(mesh, &key, (text, p.on(), LoadedPart::Quads));
+        }
     }
     for (i, mass) in model.masses.iter().enumerate() {
         let key = format!("masses[{i}].on");
@@ -224,7 +228,10 @@ fn sections_of(model: &Model, mesh: &Mesh, c: &mut Checker) {
     for (i, s) in model.sections.iter().enumerate() {
         let key = format!("sections[{i}].on");
         let quads = c.set(mesh, key.clone(), &s.on, "quads", Mesh::quads_on);
-        c.thickness(mesh, &format!("sections[{i}].thickness"), s.whole_thickness(), &quads);
+        match &s.thickness_distribution {
+            None => c.thickness(mesh, &format!("sections[{i}].thickness"), s.whole_thickness(), &quads),
+            Some(text) => c.thickness_distribution(mesh, (i, s, text), &quads),
+        }
         for q in quads {
             if let Some(other) = section_of.insert(q, i) {
                 c.add(
@@ -272,7 +279,13 @@ fn loads_of(model: &Model, mesh: &Mesh, c: &mut Checker) {
             LoadedPart::Quads => drop(c.set(mesh, key, load.on(), "quads", Mesh::quads_on)),
             LoadedPart::Model => {}
         }
-        c.distribution(model, mesh, (&format!("loads[{i}].distribution"), load));
+        let Some(text) = load.distribution() else { continue };
+        let key = format!("loads[{i}].distribution");
+        if model.bodies.iter().any(|body| body.name == load.on()) {
+            c.add(key, "a load on a body acts in one point", "leave the distribution out");
+        } else {
+            c.distribution(mesh, &key, (text, load.on(), load.part()));
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::checker::Checker;
 use crate::element::registry;
+use crate::load::PlaceFormula;
 use crate::mesh::Mesh;
 use crate::model::{Analysis, Material, Membrane, Model, PrescribedStrain, Section};
 
@@ -18,6 +19,11 @@ pub(super) fn sections(model: &Model, c: &mut Checker) {
             "the coefficient of stabilised shear",
             s.shear_stabilization,
         );
+        if let Some(Err((problem, help))) =
+            s.thickness_distribution.as_ref().map(|text| PlaceFormula::read(text))
+        {
+            c.add(format!("{key}.thickness_distribution"), problem, help);
+        }
         if let Some(m) = s.total_mass {
             c.positive(&format!("{key}.total_mass"), "the total mass", m);
         }
@@ -252,6 +258,9 @@ fn prescribed(model: &Model, p: &PrescribedStrain, key: &str, c: &mut Checker) {
     }
     if p.direction().is_some_and(|d| !d.iter().map(|x| x * x).sum::<f64>().is_normal()) {
         c.add(format!("{key}.direction"), "the direction vanishes", "give a vector such as [1, 0, 0]");
+    }
+    if let Some(Err((problem, help))) = p.distribution().map(|text| PlaceFormula::read(text)) {
+        c.add(format!("{key}.distribution"), problem, help);
     }
     let amplitude = p.amplitude().cloned();
     c.amplitude(model, key, &amplitude);

@@ -40,11 +40,11 @@ impl Shape {
         Some(Self { numbers, tolerance })
     }
 
-    fn key(&self, acting: &[bool]) -> (Vec<i64>, Vec<bool>) {
+    fn key(&self, acting: &[f64]) -> Key {
         // The size by its logarithm: the same relative accuracy.
         let numbers = self.numbers.iter().enumerate();
         let cells = numbers.map(|(i, x)| (if i == 0 { x.ln() } else { *x } / CELL).round() as i64);
-        (cells.collect(), acting.to_vec())
+        (cells.collect(), acting.iter().map(|factor| factor.to_bits()).collect())
     }
 
     fn is(&self, other: &Self) -> bool {
@@ -61,7 +61,8 @@ pub(super) struct Congruence {
     known: HashMap<Key, (usize, Shape)>,
 }
 
-type Key = (Vec<i64>, Vec<bool>);
+/// Shape in cells, and bits of the factors of the fields.
+type Key = (Vec<i64>, Vec<u64>);
 
 /// A shape without a congruent earlier element.
 pub(super) struct NewShape(Key, Shape);
@@ -78,8 +79,8 @@ pub(super) enum Match {
 
 impl Congruence {
     /// Looks for an earlier element with the shape of this one and the same `directions` relative to it, under the same
-    /// `acting` fields of prescribed strain.
-    pub fn look_up(&self, g: &ShellGeometry, directions: &[Vec3], acting: &[bool]) -> Match {
+    /// fields of prescribed strain, whose factors are `acting`.
+    pub fn look_up(&self, g: &ShellGeometry, directions: &[Vec3], acting: &[f64]) -> Match {
         let Some(shape) = Shape::new(g, directions) else { return Match::Alone };
         let key = shape.key(acting);
         match self.known.get(&key) {
@@ -110,7 +111,7 @@ mod tests {
     fn first_like(
         shapes: &mut Congruence,
         g: &ShellGeometry,
-        (directions, acting): (&[Vec3], &[bool]),
+        (directions, acting): (&[Vec3], &[f64]),
         member: usize,
     ) -> Option<usize> {
         match shapes.look_up(g, directions, acting) {
@@ -131,7 +132,7 @@ mod tests {
             assert_eq!(first_like(&mut shapes, &g, (&[], &[]), k as usize), Some(0), "{k}");
         }
         assert_eq!(first_like(&mut shapes, &element(origin, 0.4, 1.0 + 1e-7), (&[], &[]), 20), None);
-        assert_eq!(first_like(&mut shapes, &element(origin, 0.4, 1.0), (&[], &[true]), 21), None);
+        assert_eq!(first_like(&mut shapes, &element(origin, 0.4, 1.0), (&[], &[1.0]), 21), None);
     }
 
     #[test]

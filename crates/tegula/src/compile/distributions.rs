@@ -1,60 +1,97 @@
-//! Checks of the distributions of loads: formulas in the coordinates that multiply their values.
+//! Checks of the distributions of loads and prescribed strains: formulas in the coordinates that multiply their values.
 
 use super::adaptive_integrals::{WithoutIntegral, over_edges, over_elements};
+use super::sections::means;
 use crate::Vec3;
 use crate::checker::Checker;
 use crate::load::PlaceFormula;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, show};
 use crate::model::loads::LoadedPart;
-use crate::model::{Load, Model};
+use crate::model::{ElementKind, Section};
 
 impl Checker {
-    /// Reports a distribution of a load on a body, and one that has no value somewhere.
-    pub(super) fn distribution(&mut self, model: &Model, mesh: &Mesh, (key, load): (&str, &Load)) {
-        let Some(formula) = load.distribution().and_then(|text| PlaceFormula::read(text).ok()) else {
-            return;
-        };
-        if model.bodies.iter().any(|body| body.name == load.on()) {
-            return self.add(key, "a load on a body acts in one point", "leave the distribution out");
+    /// Reports a distribution of the thickness of a section that has no mean above 0 in an element.
+    pub(super) fn thickness_distribution(
+        &mut self,
+        mesh: &Mesh,
+        (number, section, text): (usize, &Section, &String),
+        quads: &[u32],
+    ) {
+        let key = format!("sections[{number}].thickness_distribution");
+        if section.element == ElementKind::AncfFull {
+            let help = "use `ems`, `mitc4`, `cm` or `solid-shell`, or sections of one thickness each";
+            return self.add(key, "`ancf-full` has one thickness in each section", help);
         }
-        match without_integral(mesh, load, &formula) {
+        let before = self.issues.len();
+        self.distribution(mesh, &key, (text, &section.on, LoadedPart::Quads));
+        if self.issues.len() > before {
+            return;
+        }
+        let means = means(Some(text), mesh, quads);
+        let thin = quads
+            .iter()
+            .zip(means)
+            .find(|(_, mean)| !(mean * section.whole_thickness()).is_normal() || *mean < 0.0);
+        if let Some((&quad, mean)) = thin {
+            let centre =
+                mesh.quads[quad as usize].iter().map(|n| mesh.positions[*n as usize]).sum::<Vec3>() * 0.25;
+            let message = format!(
+                "the mean of the distribution over element {} at {} is {mean:.3e}: the thickness must be above 0",
+                mesh.quad_label(quad as usize),
+                show(centre)
+            );
+            self.add(key, message, "give a formula that is above 0 on the whole set");
+        }
+    }
+
+    /// Reports a distribution, given with its set and the parts of it over which it is integrated, that has no value somewhere.
+    pub(super) fn distribution(
+        &mut self,
+        mesh: &Mesh,
+        key: &str,
+        (text, on, part): (&str, &str, LoadedPart),
+    ) {
+        let Ok(formula) = PlaceFormula::read(text) else { return };
+        match without_integral(mesh, (on, part), &formula) {
             None => {}
             Some(WithoutIntegral::Undefined(place)) => self.add(
                 key,
                 format!(
                     "the distribution has no value, or grows beyond all bounds, at {}",
-                    crate::mesh::show(place)
+                    show(place)
                 ),
                 "look for a division by 0, a root or logarithm of a negative number, and numbers above 1e308",
             ),
             Some(WithoutIntegral::Divergent(place)) => self.add(
                 key,
-                format!("the integral of the distribution does not converge at {}", crate::mesh::show(place)),
+                format!("the integral of the distribution does not converge at {}", show(place)),
                 "look for a division by a number that becomes 0 there, and for features that are far smaller than the elements",
             ),
         }
     }
 }
 
-/// Why the distribution of a load has no resultant: a node of its set, or a place between two ends of an edge or on a diagonal of an element, at
+/// Why a distribution has no integral: a node of its set, or a place between two ends of an edge or on a diagonal of an element, at
 /// which it has no value, or a place at which its integral does not converge.
-fn without_integral(mesh: &Mesh, load: &Load, formula: &PlaceFormula) -> Option<WithoutIntegral> {
+fn without_integral(
+    mesh: &Mesh,
+    (on, part): (&str, LoadedPart),
+    formula: &PlaceFormula,
+) -> Option<WithoutIntegral> {
     let place = |node: u32| mesh.positions[node as usize];
     let value = |x: &Vec3| formula.value(x);
     let without_value = |x: &Vec3| !value(x).is_finite();
-    let nodes = mesh.nodes_on(load.on()).unwrap_or_default();
+    let nodes = mesh.nodes_on(on).unwrap_or_default();
     if let Some(at) = nodes.into_iter().map(place).find(without_value) {
         return Some(WithoutIntegral::Undefined(at));
     }
     let corners_of = |quad: u32| mesh.quads[quad as usize].map(place);
-    let edges: Vec<[Vec3; 2]> = match load.part() {
-        LoadedPart::Edges => {
-            mesh.edges_on(load.on()).into_iter().flatten().map(|edge| edge.map(place)).collect()
-        }
+    let edges: Vec<[Vec3; 2]> = match part {
+        LoadedPart::Edges => mesh.edges_on(on).into_iter().flatten().map(|edge| edge.map(place)).collect(),
         _ => Vec::new(),
     };
-    let elements: Vec<[Vec3; 4]> = match load.part() {
-        LoadedPart::Quads => mesh.quads_on(load.on()).into_iter().flatten().map(corners_of).collect(),
+    let elements: Vec<[Vec3; 4]> = match part {
+        LoadedPart::Quads => mesh.quads_on(on).into_iter().flatten().map(corners_of).collect(),
         _ => Vec::new(),
     };
     // Steep flanks of finite height look like poles: the integral decides.

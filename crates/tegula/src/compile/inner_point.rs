@@ -7,7 +7,6 @@ use super::sections::Elements;
 use crate::constraint::joints::End;
 use crate::constraint::{Attachment, FollowedPoint};
 use crate::mesh::{Mesh, show};
-use crate::model::Model;
 use crate::{Mat3, Vec3};
 
 /// Distance from the surface over the size of the model that is round-off.
@@ -28,13 +27,12 @@ pub(super) struct Corners {
 
 impl Corners {
     /// Corners of all elements.
-    pub(super) fn new(model: &Model, mesh: &Mesh, elements: &Elements) -> Self {
+    pub(super) fn new(mesh: &Mesh, elements: &Elements) -> Self {
         let mut out = Self { vectors: vec![None; mesh.quads.len()], half: vec![0.0; mesh.quads.len()] };
         for shell in &elements.list {
             let vectors = elements.groups[shell.groups.start].vectors(shell.member);
             out.vectors[shell.quad as usize] = vectors.try_into().ok();
-            let section = model.sections.get(shell.section);
-            out.half[shell.quad as usize] = section.map_or(0.0, |section| 0.5 * section.whole_thickness());
+            out.half[shell.quad as usize] = 0.5 * elements.sections[shell.section].section.thickness;
         }
         out
     }

@@ -183,7 +183,7 @@ impl<'a> Compiler<'a> {
         let Connections { mut joints, springs, torsion_springs, bushings } =
             vectors.add_bodies((model, mesh), &mut elements, &mut issues);
         let length = bodies::extent(model, mesh, &vectors.coordinates);
-        let corners = Corners::new(model, mesh, &elements);
+        let corners = Corners::new(mesh, &elements);
         let place = Place { model, mesh, coordinates: &vectors.coordinates, length, corners: &corners };
         let locks = step_joints::locks(&place, &steps, &mut joints, &mut issues);
         let joints = Arc::new(joints);

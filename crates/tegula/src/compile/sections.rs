@@ -1,18 +1,20 @@
 //! From the sections of the model to its elements.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::Vectors;
+use super::adaptive_integrals::{Integral, over_elements};
 use super::congruence::{Congruence, Match};
 use crate::element::generalized_law::LinearLaw;
 use crate::element::geometry::cross_section_frame;
 use crate::element::quadratic::Members;
 use crate::element::shell::{GroupSetup, Member, ShellElement};
 use crate::element::{ElementGroup, QuadraticGroup, ShellGeometry, director_angle, registry};
+use crate::load::PlaceFormula;
 use crate::material::{Law, OwnLaw};
 use crate::mesh::Mesh;
 use crate::mesh::directors::Directors;
-use crate::model::{Material, Membrane, Model, Section, StackedPly};
+use crate::model::{Material, Membrane, Model, PrescribedStrain, Section, StackedPly, acting_strains};
 use crate::section::compiled::{Layer, Resultant};
 use crate::section::laminate::Laminate;
 use crate::section::ply::Ply;
@@ -44,16 +46,17 @@ impl Section {
 
     /// The section with its materials; `None` if one is missing, which `check` reports.
     pub fn compile(&self, materials: &BTreeMap<String, Material>) -> Option<CompiledSection> {
-        self.compile_with(materials, &BTreeMap::new())
+        self.compile_with(materials, &BTreeMap::new(), 1.0)
     }
 
-    /// The section with its materials, some of which have laws of the caller.
+    /// The section with its materials, some of which have laws of the caller, and with a factor on the thickness of all layers.
     pub(super) fn compile_with(
         &self,
         materials: &BTreeMap<String, Material>,
         laws_of_caller: &BTreeMap<String, OwnLaw>,
+        factor: f64,
     ) -> Option<CompiledSection> {
-        let thickness = self.whole_thickness();
+        let thickness = self.whole_thickness() * factor;
         let described = self.layers().map(|(_, layers)| layers);
         let offset = self.offset();
         let element = registry::shell(self, thickness);
@@ -61,7 +64,8 @@ impl Section {
         let mut plies = Vec::new();
         let mut laws: Vec<Law> = Vec::new();
         let mut bottom = offset - 0.5 * thickness;
-        for ply in self.plies() {
+        for mut ply in self.plies() {
+            ply.thickness *= factor;
             let material = materials.get(&ply.material)?;
             let plastic = material.yields();
             let points = usize::from(self.thickness_points.unwrap_or(if plastic { 5 } else { 2 }));
@@ -218,6 +222,65 @@ fn useless_directions(
     out
 }
 
+/// Factors of a prescribed strain on the elements of its set.
+fn factors(strain: &PrescribedStrain, mesh: &Mesh) -> BTreeMap<u32, f64> {
+    let quads = mesh.quads_on(strain.on()).unwrap_or_default();
+    let factors = means(strain.distribution(), mesh, &quads);
+    quads.into_iter().zip(factors).collect()
+}
+
+/// Means over elements of a distribution, which has been checked; 1 without one.
+pub(super) fn means(distribution: Option<&String>, mesh: &Mesh, quads: &[u32]) -> Vec<f64> {
+    let Some(formula) = distribution.and_then(|text| PlaceFormula::read(text).ok()) else {
+        return vec![1.0; quads.len()];
+    };
+    let corners = |quad: &u32| mesh.quads[*quad as usize].map(|node| mesh.positions[node as usize]);
+    let elements: Vec<[Vec3; 4]> = quads.iter().map(corners).collect();
+    let integrals = over_elements(&elements, |place| formula.value(place)).unwrap_or_default();
+    integrals.iter().map(Integral::mean).collect()
+}
+
+/// A section of the model in all thicknesses that its elements have.
+#[derive(Default)]
+struct Thicknesses {
+    sections: Vec<ShellSection>,
+    /// Index by the bits of the factor on the thickness.
+    known: HashMap<u64, usize>,
+    /// Index for each element.
+    of_quad: Vec<usize>,
+}
+
+impl Thicknesses {
+    /// Adds an element with a factor on its thickness; false if the section cannot be compiled.
+    fn add(&mut self, factor: f64, compile: impl Fn(f64) -> Option<ShellSection>) -> bool {
+        let new = self.sections.len();
+        let index = *self.known.entry(factor.to_bits()).or_insert(new);
+        if index == new {
+            let Some(section) = compile(factor) else { return false };
+            self.sections.push(section);
+        }
+        self.of_quad.push(index);
+        true
+    }
+
+    /// Scales the inertia so that all elements together have the mass `total`. Without densities it is that of a homogeneous shell.
+    fn set_mass(&mut self, total: f64, elements: impl Iterator<Item = ShellGeometry>) {
+        for ShellSection { section, .. } in &mut self.sections {
+            if section.inertia.mass == 0.0 {
+                section.inertia = SectionInertia::homogeneous(1.0, section.thickness);
+            }
+        }
+        let mass = |(g, index): (ShellGeometry, &usize)| {
+            let of = &self.sections[*index];
+            area_of_mass(of.element.as_ref(), &g) * of.section.inertia.mass
+        };
+        let present: f64 = elements.zip(&self.of_quad).map(mass).sum();
+        for ShellSection { section, .. } in &mut self.sections {
+            section.inertia = section.inertia.scaled(total / present);
+        }
+    }
+}
+
 /// The elements of a model.
 #[derive(Default)]
 pub(super) struct Elements {
@@ -268,9 +331,10 @@ impl Elements {
         if !directors.ties.is_empty() {
             self.sheets = vec![Sheet::default(); directors.values.len()];
         }
+        let fields: Vec<_> = model.prescribed_strains.iter().map(|p| factors(p, mesh)).collect();
         for (i, section) in model.sections.iter().enumerate() {
             let (Some(compiled), Some(quads)) =
-                (section.compile_with(&model.materials, laws), mesh.quads_on(&section.on))
+                (section.compile_with(&model.materials, laws, 1.0), mesh.quads_on(&section.on))
             else {
                 continue;
             };
@@ -283,36 +347,39 @@ impl Elements {
             if section.membrane.is_none() && section.eas && compiled.has_rubber() {
                 section.membrane = Some(Membrane::AssumedShear);
             }
-            let element = registry::shell_of(&section, compiled.thickness, compiled.has_rubber());
-            self.section(model, &section, compiled, element, &quads, (mesh, directors, vectors), issues);
+            let factors = means(section.thickness_distribution.as_ref(), mesh, &quads);
+            let mut thicknesses = Thicknesses::default();
+            let compile = |factor| {
+                let compiled = section.compile_with(&model.materials, laws, factor)?;
+                let element = registry::shell_of(&section, compiled.thickness, compiled.has_rubber());
+                Some(ShellSection { section: compiled, element, of_model: i })
+            };
+            if !factors.iter().all(|factor| thicknesses.add(*factor, compile)) {
+                continue;
+            }
+            let of_model = (model, &fields[..]);
+            self.section(of_model, &section, thicknesses, &quads, (mesh, directors, vectors), issues);
         }
     }
 
     #[allow(clippy::too_many_arguments)]
     fn section(
         &mut self,
-        model: &Model,
+        (model, fields): (&Model, &[BTreeMap<u32, f64>]),
         section: &Section,
-        mut compiled: CompiledSection,
-        element: Box<dyn ShellElement>,
+        mut thicknesses: Thicknesses,
         quads: &[u32],
         (mesh, directors, vectors): (&Mesh, &Directors, &Vectors),
         issues: &mut Vec<Issue>,
     ) {
         let geometry = |q: u32| geometry(q, mesh, directors);
         if let Some(total) = section.total_mass {
-            let whole: f64 = quads.iter().map(|&q| area_of_mass(element.as_ref(), &geometry(q))).sum();
-            if compiled.inertia.mass == 0.0 {
-                compiled.inertia = SectionInertia::homogeneous(1.0, compiled.thickness);
-            }
-            compiled.inertia = compiled.inertia.scaled(total / (whole * compiled.inertia.mass));
+            thicknesses.set_mass(total, quads.iter().map(|&q| geometry(q)));
         }
-        let fields: Vec<BTreeSet<u32>> = model
-            .prescribed_strains
-            .iter()
-            .map(|p| mesh.quads_on(p.on()).unwrap_or_default().into_iter().collect())
-            .collect();
-        let acts = fields.iter().any(|f| quads.iter().any(|q| f.contains(q)));
+        let Thicknesses { sections, of_quad, .. } = thicknesses;
+        let Some(ShellSection { section: compiled, element, .. }) = sections.first() else { return };
+        let first_section = self.sections.len();
+        let acts = fields.iter().any(|f| quads.iter().any(|q| f.contains_key(q)));
         let mut builder = element.builder(GroupSetup {
             retardation_time: section.retardation_time + model.damping.stiffness,
             laws: compiled.laws.clone(),
@@ -320,7 +387,6 @@ impl Elements {
             reference_kernel: false,
         });
         let first_group = self.groups.len();
-        let bending = compiled.bending();
         let mut members = 0;
         // The tangents of gradients depend on the global axes, so rotated elements are not congruent.
         let turns = !element.nodal_vectors().contains(&VectorKind::Gradient);
@@ -332,7 +398,8 @@ impl Elements {
             .chain(prescribed.filter_map(|p| p.direction()).map(Vec3::from))
             .map(|d| d.normalize())
             .collect();
-        for &q in quads {
+        for (&q, &thickness) in quads.iter().zip(&of_quad) {
+            let ShellSection { section: compiled, element, .. } = &sections[thickness];
             let g = geometry(q);
             let corners = directors.corners[q as usize];
             let mut connectivity: Vec<u32> =
@@ -343,18 +410,16 @@ impl Elements {
                     connectivity.extend(corners.map(|d| vectors.gradient_of[d as usize] + second));
                 }
             }
-            let prescribed: Vec<_> = if acts {
-                model
-                    .prescribed_strains
-                    .iter()
-                    .zip(&fields)
-                    .map(|(p, f)| f.contains(&q).then_some(p))
-                    .collect()
+            let mut acting: Vec<f64> = if acts {
+                fields.iter().map(|field| field.get(&q).copied().unwrap_or(0.0)).collect()
             } else {
                 Vec::new()
             };
-            let acting: Vec<bool> = prescribed.iter().map(Option::is_some).collect();
+            let prescribed = acting_strains(model.prescribed_strains.iter(), &acting);
+            let prescribed: Vec<_> = prescribed.iter().map(Option::as_deref).collect();
+            acting.push(compiled.thickness);
             let found = shapes.as_ref().map_or(Match::Alone, |s| s.look_up(&g, &directions, &acting));
+            acting.pop();
             let shape = if let Match::Like(first) = found { first } else { members };
             let shared = shape != members && builder.push_like(shape, &connectivity, &g);
             let result = if shared {
@@ -393,7 +458,7 @@ impl Elements {
             }
             for (d, area) in corners.into_iter().zip(crate::element::geometry::nodal_areas(&g.positions)) {
                 if let Some(sheet) = self.sheets.get_mut(d as usize) {
-                    sheet.bending = sheet.bending.max(bending);
+                    sheet.bending = sheet.bending.max(compiled.bending());
                     sheet.area += area;
                 }
                 if element.unit_directors() {
@@ -404,9 +469,9 @@ impl Elements {
                 quad: q,
                 groups: first_group..first_group,
                 member: members,
-                section: self.sections.len(),
+                section: first_section + thickness,
                 shape,
-                prescribed: if acts { fields.iter().map(|f| f.contains(&q)).collect() } else { Vec::new() },
+                prescribed: acting,
             });
             members += 1;
         }
@@ -416,7 +481,7 @@ impl Elements {
         for shell in &mut self.list[new..] {
             shell.groups = first_group..last_group;
         }
-        self.sections.push(ShellSection { section: compiled, element });
+        self.sections.extend(sections);
     }
 
     /// Adds the director-angle constraints of folds and junctions, `stiffness` times as stiff as one row of elements

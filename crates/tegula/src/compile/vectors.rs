@@ -81,7 +81,7 @@ impl Vectors {
         for attached in coordinates.attached() {
             elements.unit.remove(&attached.vector);
         }
-        let corners = Corners::new(model, mesh, elements);
+        let corners = Corners::new(mesh, elements);
         let surface = (mesh, &corners);
         let mut joints = bodies::joints(model, surface, coordinates, issues);
         couplings::add((model, mesh), (coordinates, elements), &mut joints, issues);

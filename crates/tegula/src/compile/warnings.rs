@@ -13,7 +13,7 @@ use crate::model::{Analysis, Load, Model, NodalVector, PrescribedStrain};
 use crate::norm::max_norm;
 use crate::system::dof_map::Prescribed;
 use crate::system::lumped_body::LumpedBody;
-use crate::system::{Procedure, ShellSection, System, VectorKind};
+use crate::system::{Procedure, Shell, ShellSection, System, VectorKind};
 use crate::{Issue, Vec3};
 
 /// Thickness over the size of the largest element, above which units are most likely mixed up.
@@ -132,15 +132,16 @@ fn independent_of_the_start(model: &Model, mesh: &Mesh, system: &System) -> Vec<
     found.extend(raised_inertia(model, system));
     found.extend(far_from_the_origin(system));
     found.extend(shared_thickness_strains(model, system));
-    for (i, section) in model.sections.iter().enumerate() {
-        let shells = || system.shells.iter().filter(|shell| shell.section == i);
+    for i in 0..model.sections.len() {
+        let of = |shell: &Shell| &system.sections[shell.section];
+        let shells = || system.shells.iter().filter(|shell| of(shell).of_model == i);
         let worst = shells()
             .map(|shell| (curvature(&system.geometry(shell)), shell))
             .max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((curvature, shell)) = worst else { continue };
         let key = format!("sections[{i}].thickness");
         let largest = shells().map(|shell| size(&system.geometry(shell))).fold(0.0, crate::norm::larger);
-        let h = section.whole_thickness();
+        let h = of(shell).section.thickness;
         if h * curvature > 1.0 {
             found.push(Issue::new(
                 &key,
@@ -377,7 +378,7 @@ fn shared_thickness_strains(model: &Model, system: &System) -> Vec<Issue> {
             of.section.layers.iter().any(|layer| first.is_some_and(|f| f.material != layer.material));
         of.element.is_solid() && !of.section.is_linear() && unlike
     };
-    let issue = |(i, _): (usize, _)| {
+    let issue = |i: usize| {
         Issue::new(
             format!("sections[{i}].element"),
             "its layers are of different materials, not all linear, and share one thickness strain: layers that contract or \
@@ -385,14 +386,8 @@ fn shared_thickness_strains(model: &Model, system: &System) -> Vec<Issue> {
             "use `ems` or `mitc4`, where every layer is in plane stress",
         )
     };
-    model
-        .sections
-        .iter()
-        .zip(system.sections.iter())
-        .enumerate()
-        .filter(|(_, (_, of))| shares(of))
-        .map(issue)
-        .collect()
+    let sharing = |i: &usize| system.sections.iter().any(|of| of.of_model == *i && shares(of));
+    (0..model.sections.len()).filter(sharing).map(issue).collect()
 }
 
 /// Keys of sections without effect on their element types.
@@ -458,7 +453,7 @@ fn zero_loads(model: &Model) -> Vec<Issue> {
     .collect()
 }
 
-/// Loads of a value whose distribution is 0 everywhere on their set.
+/// Loads and prescribed strains of a value whose distribution is 0 everywhere on their set.
 fn zero_distributions(model: &Model, system: &System) -> Vec<Issue> {
     let numbered = |numbers: &[usize], number: usize| {
         let of: Vec<usize> =
@@ -472,15 +467,25 @@ fn zero_distributions(model: &Model, system: &System) -> Vec<Issue> {
         dead && followers
     };
     let with_value = |load: &Load| load.distribution().is_some() && load.values().iter().any(|v| *v != 0.0);
-    let list = model.loads.iter().enumerate().filter(|(i, load)| with_value(load) && is_zero(*i));
-    list.map(|(i, load)| {
+    let loads = model.loads.iter().enumerate().filter(|(i, load)| with_value(load) && is_zero(*i));
+    let loads = loads.map(|(i, load)| (format!("loads[{i}]"), load.on(), "load"));
+    let does_nothing = |strain: &PrescribedStrain| {
+        let bare = strain.without_amplitude();
+        let field = system.prescribed_strains.iter().position(|field| field.strain == bare);
+        let acts = |k: usize| system.shells.iter().any(|s| s.prescribed.get(k).is_some_and(|f| *f != 0.0));
+        strain.distribution().is_some() && field.is_some_and(|k| !acts(k))
+    };
+    let strains = model.prescribed_strains.iter().enumerate().filter(|(_, strain)| does_nothing(strain));
+    let strains =
+        strains.map(|(i, strain)| (format!("prescribed_strains[{i}]"), strain.on(), "prescribed strain"));
+    let issue = |(key, on, what): (String, &str, &str)| {
         Issue::new(
-            format!("loads[{i}].distribution"),
-            format!("the distribution is 0 everywhere on set \"{}\": the load is zero", load.on()),
-            "look at its coordinates and their unit, or leave the load out",
+            format!("{key}.distribution"),
+            format!("the distribution is 0 everywhere on set \"{on}\": the {what} is zero"),
+            format!("look at its coordinates and their unit, or leave the {what} out"),
         )
-    })
-    .collect()
+    };
+    loads.chain(strains).map(issue).collect()
 }
 
 /// Largest curvature along the sides of an element [1/length]: change of the director over the length of the side.

@@ -1,5 +1,7 @@
 //! Prescribed strains (eigenstrains): thermal and natural strains, and prestress.
 
+use std::borrow::Cow;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +33,9 @@ pub struct ThermalStrain {
     /// Gradient T′ along the director [temperature/length].
     #[serde(default)]
     pub gradient: f64,
+    /// Factor on the values in each element: the mean over it of a formula in the coordinates `x`, `y` and `z` of the reference configuration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distribution: Option<String>,
     /// Name of an amplitude.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<String>,
@@ -53,6 +58,9 @@ pub struct NaturalStrain {
     #[serde(default = "x_axis")]
     #[schemars(extend("x-marker" = "direction"))]
     pub direction: [f64; 3],
+    /// Factor on the values in each element: the mean over it of a formula in the coordinates `x`, `y` and `z` of the reference configuration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distribution: Option<String>,
     /// Name of an amplitude.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<String>,
@@ -75,6 +83,9 @@ pub struct Prestress {
     #[serde(default = "x_axis")]
     #[schemars(extend("x-marker" = "direction"))]
     pub direction: [f64; 3],
+    /// Factor on the values in each element: the mean over it of a formula in the coordinates `x`, `y` and `z` of the reference configuration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distribution: Option<String>,
     /// Name of an amplitude.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<String>,
@@ -99,6 +110,29 @@ impl PrescribedStrain {
         }
     }
 
+    /// Its formula of the place.
+    pub fn distribution(&self) -> Option<&String> {
+        match self {
+            Self::Thermal(s) => s.distribution.as_ref(),
+            Self::Natural(s) => s.distribution.as_ref(),
+            Self::Prestress(s) => s.distribution.as_ref(),
+        }
+    }
+
+    /// Its values times a factor.
+    pub fn times(&self, factor: f64) -> Cow<'_, Self> {
+        if factor == 1.0 {
+            return Cow::Borrowed(self);
+        }
+        let mut out = self.clone();
+        match &mut out {
+            Self::Thermal(s) => [&mut s.temperature, &mut s.gradient].into_iter().for_each(|x| *x *= factor),
+            Self::Natural(s) => s.strain.iter_mut().chain(&mut s.curvature).for_each(|x| *x *= factor),
+            Self::Prestress(s) => s.membrane.iter_mut().chain(&mut s.bending).for_each(|x| *x *= factor),
+        }
+        Cow::Owned(out)
+    }
+
     /// Strain without its amplitude.
     pub fn without_amplitude(&self) -> Self {
         let mut bare = self.clone();
@@ -118,6 +152,14 @@ impl PrescribedStrain {
             Self::Prestress(s) => s.amplitude.as_ref(),
         }
     }
+}
+
+/// Prescribed strains of an element, whose fields have the factors `acting`; `None` where that is 0. Without factors there are none.
+pub(crate) fn acting_strains<'a>(
+    fields: impl Iterator<Item = &'a PrescribedStrain>,
+    acting: &[f64],
+) -> Vec<Option<Cow<'a, PrescribedStrain>>> {
+    fields.zip(acting).map(|(field, factor)| (*factor != 0.0).then(|| field.times(*factor))).collect()
 }
 
 pub(super) fn x_axis() -> [f64; 3] {

@@ -1,5 +1,6 @@
 //! Strains and stresses inside one element at a state, and their changes with a small motion about it.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
@@ -11,7 +12,7 @@ use crate::element::geometry::cross_section_frame;
 use crate::element::shell::{Condensed, IntegrationPoint, PointResponse, condense};
 use crate::element::{GroupPoint, Motion, Nodal, ShellGeometry};
 use crate::material::Response;
-use crate::model::PrescribedStrain;
+use crate::model::{PrescribedStrain, acting_strains};
 use crate::section::CompiledSection;
 use crate::section::compiled::Layer;
 use crate::system::{EvaluationPoint, Shell, System};
@@ -155,7 +156,7 @@ pub struct Inside<'a> {
     section: &'a CompiledSection,
     geometry: ShellGeometry,
     element: &'a dyn crate::element::ShellElement,
-    prescribed: Vec<Option<&'a PrescribedStrain>>,
+    prescribed: Vec<Option<Cow<'a, PrescribedStrain>>>,
     factors: &'a [f64],
     history: &'a [f64],
     /// Data shared with congruent elements.
@@ -197,16 +198,15 @@ impl<'a> Inside<'a> {
         let system = snapshot.system;
         let of = &system.sections[shell.section];
         let (section, element) = (&of.section, of.element.as_ref());
-        let prescribed: Vec<_> = shell
-            .prescribed
-            .iter()
-            .zip(&system.prescribed_strains)
-            .map(|(acts, field)| acts.then_some(&field.strain))
-            .collect();
+        let fields = system.prescribed_strains.iter().map(|field| &field.strain);
+        let prescribed = acting_strains(fields, &shell.prescribed);
         let factors = if prescribed.is_empty() { &[][..] } else { &snapshot.factors };
         let shape = match last.take() {
             Some(shape) if (shape.section, shape.number) == (shell.section, shell.shape) => shape,
-            _ => Arc::new(Shape::new(system, shell, &prescribed)?),
+            _ => {
+                let prescribed: Vec<_> = prescribed.iter().map(Option::as_deref).collect();
+                Arc::new(Shape::new(system, shell, &prescribed)?)
+            }
         };
         *last = Some(shape.clone());
         let first = shell.groups.start;

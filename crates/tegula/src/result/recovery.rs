@@ -150,7 +150,7 @@ fn resultants(section: &CompiledSection, solid: bool, stresses: &[DVector<f64>])
 fn surface_stresses(
     out: &mut ShellResult,
     inside: &Inside,
-    ShellSection { section, element }: &ShellSection,
+    ShellSection { section, element, .. }: &ShellSection,
     centre: &Mat3,
     points: usize,
 ) {

@@ -113,8 +113,8 @@ pub struct Shell {
     pub section: usize,
     /// First congruent element of the section, by its index in the groups.
     pub shape: usize,
-    /// Flags of the fields of prescribed strain that act on the shell; empty: none.
-    pub prescribed: Vec<bool>,
+    /// Factors of the fields of prescribed strain on the shell, from their distributions, 0 where a field does not act; empty: none.
+    pub prescribed: Vec<f64>,
 }
 
 /// Shell section with its element type.
@@ -124,6 +124,8 @@ pub struct ShellSection {
     pub section: CompiledSection,
     /// Element type with its locking remedies.
     pub element: Box<dyn ShellElement>,
+    /// Index of the section of the model, which has one of these for each thickness.
+    pub of_model: usize,
 }
 
 /// A field of prescribed strain.

@@ -165,6 +165,7 @@ fn prescribed_strains_and_displacements_are_loads() {
     material.expansion = 1e-5;
     heated.materials.insert("m".into(), Material::Isotropic(material));
     heated.prescribed_strains = vec![PrescribedStrain::Thermal(ThermalStrain {
+        distribution: None,
         on: "all".into(),
         temperature: 2.0,
         gradient: 0.0,

@@ -146,9 +146,10 @@ fn distributions_without_meaning_are_refused() {
         ("sqrt(y - 0.5)", "has no value, or grows beyond all bounds, at (0.0, 0.0, 0.0)"),
         ("1/(x - 0.77)", "at (0.77, "),
         ("sqrt((x - 0.1)*(x - 0.15))", "at (0.1, "),
-        ("1/(x + 0.7*y - 0.9)^2", "does not converge at (0.77"),
-        ("tan(3.141592653589793*x)", "does not converge at (0.4998"),
-        ("cos(3.141592653589793*x)^(-2)", "does not converge at (0.4998"),
+        // The integration meets the line of the pole.
+        ("1/(x + 0.7*y - 0.9)^2", "grows beyond all bounds, at (0.8125, 0.125, "),
+        ("tan(3.141592653589793*x)", "does not converge at (0.500"),
+        ("cos(3.141592653589793*x)^(-2)", "does not converge at (0.500"),
         ("t", "unknown variable \"t\""),
         ("floor(x)", "cannot be differentiated"),
     ] {

@@ -182,12 +182,14 @@ fn prescribed_strains_in_time_close_the_energy_balance() {
         let amplitude = pulsing(&mut m);
         m.prescribed_strains = vec![
             PrescribedStrain::Thermal(ThermalStrain {
+                distribution: None,
                 on: "all".into(),
                 temperature: 60.0,
                 gradient: 100.0,
                 amplitude: amplitude.clone(),
             }),
             PrescribedStrain::Prestress(Prestress {
+                distribution: None,
                 on: "all".into(),
                 membrane: [2e3, 0.0, 1e3],
                 bending: [0.0, 100.0, 0.0],
@@ -403,6 +405,7 @@ fn prestressed_strips_vibrate_like_strings() {
             m.conditions = vec![Condition::Hinge(on("u_min")), Condition::Hinge(on("u_max"))];
             m.amplitudes.insert("always".into(), Amplitude::Constant(ConstantAmplitude { value: 1.0 }));
             m.prescribed_strains = vec![PrescribedStrain::Prestress(Prestress {
+                distribution: None,
                 on: "all".into(),
                 membrane: [force, 0.0, 0.0],
                 bending: [0.0; 3],

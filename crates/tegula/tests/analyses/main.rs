@@ -32,6 +32,7 @@ mod explicit;
 mod explicit_joints;
 mod explicit_models;
 mod family_dynamics;
+mod fields_by_formulas;
 mod follower;
 mod foundations;
 mod free_motions;

@@ -357,7 +357,13 @@ fn a_free_body_with_prescribed_strains_is_told_to_be_free() {
     let mut m = modal_model([1.0, 0.2], [20, 4], 0.01);
     let warm = |expansion: f64| Isotropic { expansion, ..Isotropic::new(1e9, 0.3, 1000.0) };
     m.materials.insert("m".into(), Material::Isotropic(warm(1e-5)));
-    let thermal = ThermalStrain { on: "all".into(), temperature: 10.0, gradient: 0.0, amplitude: None };
+    let thermal = ThermalStrain {
+        distribution: None,
+        on: "all".into(),
+        temperature: 10.0,
+        gradient: 0.0,
+        amplitude: None,
+    };
     m.prescribed_strains = vec![PrescribedStrain::Thermal(thermal)];
     let (_, system) = compile(&m);
     let error = modal::prestress(&system, &mut Silent).unwrap_err().to_string();

@@ -256,6 +256,7 @@ fn a_sheet_that_wants_to_be_a_tube_becomes_one() {
         // Sixteen chords close when 2 sin(π/n)/L is the curvature; directors point away from the centre for κ < 0.
         let curvature = 2.0 * (PI / f64::from(n)).sin() / (2.0 / f64::from(n));
         m.prescribed_strains = vec![PrescribedStrain::Natural(NaturalStrain {
+            distribution: None,
             on: "all".into(),
             strain: [0.0; 3],
             curvature: [curvature, 0.0, 0.0],
@@ -301,6 +302,7 @@ fn heat_expands_what_is_free_and_stresses_what_is_held() {
             Condition::Fix(FixComponents { on: "all".into(), position: vec![Axis::Z], director: vec![] }),
         ];
         m.prescribed_strains = vec![PrescribedStrain::Thermal(ThermalStrain {
+            distribution: None,
             on: "all".into(),
             temperature: heat,
             gradient: 0.0,
@@ -410,7 +412,7 @@ fn heated_strip(element: ElementKind, temperature: f64, gradient: f64) -> Model 
         plane("v_min", [0.0, 1.0, 0.0]),
         Condition::Fix(FixComponents { on: "u_min_v_min".into(), position: vec![Axis::Z], director: vec![] }),
     ];
-    let heat = ThermalStrain { on: "all".into(), temperature, gradient, amplitude: None };
+    let heat = ThermalStrain { distribution: None, on: "all".into(), temperature, gradient, amplitude: None };
     m.prescribed_strains = vec![PrescribedStrain::Thermal(heat)];
     m
 }
@@ -471,6 +473,7 @@ fn heat_beside_a_small_prescribed_motion_is_no_snap_through() {
         );
         m.analysis = Analysis::Static(StaticAnalysis { load_steps: 10, ..StaticAnalysis::default() });
         let heat = ThermalStrain {
+            distribution: None,
             on: "all".into(),
             temperature: 100.0,
             gradient: 0.0,

@@ -134,6 +134,7 @@ fn ends_of_paths_are_equilibria_of_statics() {
     let mut strained = roof(6, 12.7);
     strained.loads.clear();
     strained.prescribed_strains = vec![PrescribedStrain::Natural(NaturalStrain {
+        distribution: None,
         on: "all".into(),
         strain: [2e-4, 1e-4, 0.0],
         curvature: [-2e-5, 0.0, 0.0],

@@ -268,6 +268,7 @@ fn a_motion_in_two_steps_is_the_motion_in_one() {
 fn plastic_strains_and_heat_are_carried_from_step_to_step() {
     let load = Load::Edge(vector_load("u_max", [0.0, 0.0, -25.0]));
     let heat = PrescribedStrain::Natural(NaturalStrain {
+        distribution: None,
         on: "all".into(),
         strain: [1e-3, 0.0, 0.0],
         curvature: [0.1, 0.0, 0.0],
@@ -437,6 +438,7 @@ fn a_load_with_another_amplitude_is_the_same_load() {
     };
     let heat = |name: Option<&str>| {
         PrescribedStrain::Natural(NaturalStrain {
+            distribution: None,
             on: "all".into(),
             strain: [1e-3, 0.0, 0.0],
             curvature: [0.1, 0.0, 0.0],

@@ -26,7 +26,14 @@ pub fn model(mesh: MeshSource, young: f64, thickness: f64) -> Model {
 /// A natural strain and curvature of the whole model along x and y.
 pub fn natural(strain: [f64; 3], curvature: [f64; 3], amplitude: Option<String>) -> PrescribedStrain {
     let direction = [1.0, 0.0, 0.0];
-    PrescribedStrain::Natural(NaturalStrain { on: "all".into(), strain, curvature, direction, amplitude })
+    PrescribedStrain::Natural(NaturalStrain {
+        distribution: None,
+        on: "all".into(),
+        strain,
+        curvature,
+        direction,
+        amplitude,
+    })
 }
 
 /// Sect. 5.2 of the paper: x = sin θ, z = 1 − cos θ, θ from 0 to 90°, h = 0.01, clamped at θ = 0.
@@ -306,12 +313,14 @@ pub fn orthotropic(young: [f64; 3], shear: [f64; 3], density: f64) -> Material {
 pub fn strains() -> Vec<PrescribedStrain> {
     vec![
         PrescribedStrain::Thermal(ThermalStrain {
+            distribution: None,
             on: "all".into(),
             temperature: 8.0,
             gradient: 60.0,
             amplitude: None,
         }),
         PrescribedStrain::Natural(NaturalStrain {
+            distribution: None,
             on: "all".into(),
             strain: [0.01, -0.02, 0.015],
             curvature: [0.2, -0.1, 0.3],
@@ -319,6 +328,7 @@ pub fn strains() -> Vec<PrescribedStrain> {
             amplitude: None,
         }),
         PrescribedStrain::Prestress(Prestress {
+            distribution: None,
             on: "all".into(),
             membrane: [1.0, 2.0, -0.5],
             bending: [0.02, 0.01, 0.03],

@@ -47,7 +47,13 @@ fn apart(m: &Model, mesh: &Mesh) -> (Model, Mesh) {
     for q in 0..mesh.quads.len() as u32 {
         let on = format!("own{q}");
         mesh.quad_sets.insert(on.clone(), vec![q]);
-        let heat = ThermalStrain { on, temperature: 1.0, gradient: 0.0, amplitude: Some("rising".into()) };
+        let heat = ThermalStrain {
+            distribution: None,
+            on,
+            temperature: 1.0,
+            gradient: 0.0,
+            amplitude: Some("rising".into()),
+        };
         m.prescribed_strains.push(PrescribedStrain::Thermal(heat));
     }
     (m, mesh)

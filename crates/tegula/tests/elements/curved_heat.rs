@@ -56,7 +56,8 @@ fn free(mesh: MeshSource, section: Section, linear: bool) -> Model {
 }
 
 fn heated(mut m: Model, temperature: f64) -> Model {
-    let heat = ThermalStrain { on: "all".into(), temperature, gradient: 0.0, amplitude: None };
+    let heat =
+        ThermalStrain { distribution: None, on: "all".into(), temperature, gradient: 0.0, amplitude: None };
     m.prescribed_strains = vec![PrescribedStrain::Thermal(heat)];
     m
 }
@@ -253,6 +254,7 @@ fn growth_along_an_arc_changes_its_angle() {
         let section = Section { element, ..Section::new("metal", THICKNESS) };
         let mut m = free(cylinder([32, 4], 0.0), section, true);
         m.prescribed_strains = vec![PrescribedStrain::Natural(NaturalStrain {
+            distribution: None,
             on: "all".into(),
             strain: [e, 0.0, 0.0],
             curvature: [0.0; 3],

@@ -26,7 +26,13 @@ fn sections(element: ElementKind) -> Vec<Section> {
 }
 
 fn heat(temperature: f64, gradient: f64) -> PrescribedStrain {
-    PrescribedStrain::Thermal(ThermalStrain { on: "all".into(), temperature, gradient, amplitude: None })
+    PrescribedStrain::Thermal(ThermalStrain {
+        distribution: None,
+        on: "all".into(),
+        temperature,
+        gradient,
+        amplitude: None,
+    })
 }
 
 /// An element whose layers lie at the height e above its nodes is that whose nodes lie at `r + e d`, for large motions of
@@ -140,6 +146,7 @@ fn a_prestress_is_uniform_over_layers_beside_the_mesh() {
                     .map(|edge| Condition::Clamp(common::on(edge)))
                     .into();
                 m.prescribed_strains = vec![PrescribedStrain::Prestress(Prestress {
+                    distribution: None,
                     on: "all".into(),
                     membrane: [force, 0.0, 0.0],
                     bending: [-offset * force, 0.0, 0.0],

@@ -158,6 +158,7 @@ fn heated_plies_keep_their_residual_stresses_and_energy() {
         let of = |sign: f64| expanding(young, poisson, 2e-5 + sign * misfit);
         let mut m = two_plies(element, [of(1.0), of(-1.0)]);
         m.prescribed_strains = vec![PrescribedStrain::Thermal(ThermalStrain {
+            distribution: None,
             on: "all".into(),
             temperature: heat,
             gradient: 0.0,
@@ -306,6 +307,7 @@ fn von_mises_stress_of_heated_layers_is_that_of_plane_stress() {
             Some(Layup { plies: vec![ply("cold"), ply("hot"), ply("cold")], ..Layup::default() });
         m.loads.clear();
         m.prescribed_strains = vec![PrescribedStrain::Thermal(ThermalStrain {
+            distribution: None,
             on: "all".into(),
             temperature: 100.0,
             gradient: 0.0,

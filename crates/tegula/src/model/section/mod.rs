@@ -87,6 +87,10 @@ macro_rules! sections {
             #[serde(default, skip_serializing_if = "is_zero")]
             #[schemars(extend("exclusiveMinimum" = 0))]
             pub thickness: f64,
+            /// Factor on the thickness of all layers in each element: the mean over it of a formula in the coordinates `x`, `y` and `z` of the
+            /// reference configuration; above 0. Not for `ancf-full`.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub thickness_distribution: Option<String>,
             $(
                 #[doc = $help]
                 #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -138,6 +142,7 @@ macro_rules! sections {
                     element: ElementKind::default(),
                     material: material.into(),
                     thickness,
+                    thickness_distribution: None,
                     $($key: None,)*
                     shear_correction: None,
                     shear_stabilization: 0.0,
