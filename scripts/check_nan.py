@@ -64,7 +64,7 @@ def main() -> None:
     own_test()
     root = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent
     places = []
-    for path in sorted((root / "crates").rglob("*.rs")):
+    for path in sorted(path for folder in ("crates", "verification") for path in (root / folder).rglob("*.rs")):
         path = path.relative_to(root)
         first, text = test_code(root / path) if "target" not in path.parts else (0, "")
         lines = text.splitlines()

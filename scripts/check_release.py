@@ -14,7 +14,8 @@ ROOT = Path(__file__).resolve().parent.parent
 
 def contradictions() -> list[str]:
     """Sentences about what does not fit together."""
-    package = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]
+    workspace = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]
+    package = workspace["package"]
     out = []
     citation = (ROOT / "CITATION.cff").read_text()
     for key, value in [("version", package["version"]), ("repository-code", package["repository"])]:
@@ -26,6 +27,9 @@ def contradictions() -> list[str]:
             out.append(f"CITATION.cff: the licence {name} of Cargo.toml is missing")
     if "## [Unreleased]" not in (ROOT / "CHANGELOG.md").read_text():
         out.append("CHANGELOG.md: it has no section [Unreleased]")
+    for name, dependency in workspace["dependencies"].items():
+        if name.startswith("tegula") and dependency.get("version") != package["version"]:
+            out.append(f"Cargo.toml: the version of the dependency {name} is not {package['version']}")
     rust = package["rust-version"]
     for name in ["CONTRIBUTING.md", ".ci/run"]:
         if f"Rust {rust} or later" not in (ROOT / name).read_text():

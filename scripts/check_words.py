@@ -61,7 +61,8 @@ def found(path: Path) -> list[tuple[int, str, str]]:
 
 
 def main() -> None:
-    files = [p for p in sorted((ROOT / "crates").rglob("*.rs")) if "target" not in p.parts]
+    code = [p for folder in ("crates", "verification") for p in sorted((ROOT / folder).rglob("*.rs"))]
+    files = [p for p in code if "target" not in p.parts]
     files += sorted((ROOT / "book" / "src").rglob("*.md"))
     files += [ROOT / f"{name}.md" for name in ("README", "ARCHITECTURE", "CHANGELOG", "CONTRIBUTING")]
     places = [(path.relative_to(ROOT), *place) for path in files for place in found(path)]

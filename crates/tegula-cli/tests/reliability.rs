@@ -301,7 +301,9 @@ fn each_command_has_a_manual_page() {
     let pages = folder.path().join("share/man1");
     let output = program().args(["man", text(&pages)]).output().unwrap();
     assert!(output.status.success(), "{}", errors(&output));
-    for (page, part) in [("tegula.1", "Exit codes"), ("tegula-run.1", "resume"), ("tegula-render.1", "RESULT")] {
+    for (page, part) in
+        [("tegula.1", "Exit codes"), ("tegula-run.1", "resume"), ("tegula-render.1", "RESULT")]
+    {
         let page = fs::read_to_string(pages.join(page)).unwrap();
         assert!(page.starts_with(".") && page.contains(".TH") && page.contains(part), "{page}");
     }

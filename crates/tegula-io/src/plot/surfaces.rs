@@ -444,7 +444,10 @@ mod tests {
         plot.snapshots[0].values = Some(vec![f64::NAN; plot.quads.len()]);
         assert_eq!(colours(&plot, 0, &plot.snapshots[0], None), vec![[Rgb::MISSING; 4]; plot.quads.len()]);
         plot.snapshots[0].values = None;
-        assert_eq!(colours(&plot, 0, &plot.snapshots[0], None), vec![[of_instant(&plot, 0); 4]; plot.quads.len()]);
+        assert_eq!(
+            colours(&plot, 0, &plot.snapshots[0], None),
+            vec![[of_instant(&plot, 0); 4]; plot.quads.len()]
+        );
     }
 
     #[test]

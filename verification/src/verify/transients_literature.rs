@@ -37,10 +37,10 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-const FLAT: &str = include_str!("../../../../verification/models/cantilever_corner_force.toml");
-const FORCE: &str = include_str!("../../../../verification/models/laminated_cylinder_force.toml");
-const GRAVITY: &str = include_str!("../../../../verification/models/laminated_cylinder_gravity.toml");
-const REFERENCE: &str = include_str!("../../../../verification/reference/transients_literature.csv");
+const FLAT: &str = include_str!("../../models/cantilever_corner_force.toml");
+const FORCE: &str = include_str!("../../models/laminated_cylinder_force.toml");
+const GRAVITY: &str = include_str!("../../models/laminated_cylinder_gravity.toml");
+const REFERENCE: &str = include_str!("../../reference/transients_literature.csv");
 const CASE: &str = "transients-literature";
 const TIP: &str = "u_max_v_max";
 const ELEMENTS: [&str; 4] = ["ems", "cm", "mitc4", "solid-shell"];

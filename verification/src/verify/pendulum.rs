@@ -29,9 +29,9 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-const MODEL: &str = include_str!("../../../../verification/models/pendulum.toml");
-const COARSE: &str = include_str!("../../../../verification/reference/pendulum_n16_trapezoid_dt05.csv");
-const FINE: &str = include_str!("../../../../verification/reference/pendulum_n32_hht005_dt05.csv");
+const MODEL: &str = include_str!("../../models/pendulum.toml");
+const COARSE: &str = include_str!("../../reference/pendulum_n16_trapezoid_dt05.csv");
+const FINE: &str = include_str!("../../reference/pendulum_n32_hht005_dt05.csv");
 const CASE: &str = "pendulum";
 
 /// Corners: set in the mesh, column prefix in the reference, name in rows.

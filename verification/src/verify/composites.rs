@@ -29,8 +29,8 @@ pub(super) const CASES: &[Case] = &[Case {
     run: all,
 }];
 
-const MODEL: &str = include_str!("../../../../verification/models/composite_plate.toml");
-const REFERENCE: &str = include_str!("../../../../verification/reference/composites.csv");
+const MODEL: &str = include_str!("../../models/composite_plate.toml");
+const REFERENCE: &str = include_str!("../../reference/composites.csv");
 const CASE: &str = "composites";
 /// Length of an edge; the thickness is 1.
 const A: f64 = 10.0;

@@ -20,8 +20,8 @@ pub(super) const CASES: &[Case] = &[
     Case { name: "quarter-cylinder-fast", about: "Sect. 5.2 up to 16x16", cost: Cost::Fast, run: fast },
 ];
 
-const MODEL: &str = include_str!("../../../../verification/models/quarter_cylinder.toml");
-const REFERENCE: &str = include_str!("../../../../verification/reference/quarter_cylinder.csv");
+const MODEL: &str = include_str!("../../models/quarter_cylinder.toml");
+const REFERENCE: &str = include_str!("../../reference/quarter_cylinder.csv");
 const CASE: &str = "quarter-cylinder";
 
 pub fn all(report: &mut Report) -> Result<()> {

@@ -25,8 +25,8 @@ pub(super) const CASES: &[Case] = &[Case {
 }];
 
 const CASE: &str = "paper-tables";
-const CONVERGED: &str = include_str!("../../../../verification/reference/plate_converged.csv");
-const FREQUENCIES: &str = include_str!("../../../../verification/reference/free_plate.csv");
+const CONVERGED: &str = include_str!("../../reference/plate_converged.csv");
+const FREQUENCIES: &str = include_str!("../../reference/free_plate.csv");
 /// Columns of Tables 1–3; the elements with three-dimensional stresses carry no shear correction.
 const ELEMENTS: [&str; 4] = ["EMS", "CM eas4+4", "MITC4", "solid-shell EAS8"];
 
@@ -187,7 +187,7 @@ fn frequencies(report: &mut Report) -> Result<()> {
     Ok(())
 }
 
-const FREE_PLATE: &str = include_str!("../../../../verification/models/free_plate.toml");
+const FREE_PLATE: &str = include_str!("../../models/free_plate.toml");
 
 /// Elastic frequencies of the free plate.
 fn free_plate(variant: &str, n: u32, h: f64) -> Result<Vec<f64>> {

@@ -23,8 +23,8 @@ pub(super) const CASES: &[Case] = &[Case {
     run: all,
 }];
 
-const MODEL: &str = include_str!("../../../../verification/models/rectangular_plate.toml");
-const REFERENCE: &str = include_str!("../../../../verification/reference/macneal_harder.csv");
+const MODEL: &str = include_str!("../../models/rectangular_plate.toml");
+const REFERENCE: &str = include_str!("../../reference/macneal_harder.csv");
 const CASE: &str = "macneal-harder-plates";
 const ELEMENTS: [&str; 4] = ["ems", "cm", "mitc4", "solid-shell"];
 /// Short side, bending stiffness, pressure, force.

@@ -20,8 +20,8 @@ pub(super) const CASES: &[Case] = &[Case {
 }];
 
 /// The plate of T1, which comes to rest at this equilibrium.
-const MODEL: &str = include_str!("../../../../verification/models/cantilever_corner_force.toml");
-const REFERENCE: &str = include_str!("../../../../verification/reference/large_cantilever.csv");
+const MODEL: &str = include_str!("../../models/cantilever_corner_force.toml");
+const REFERENCE: &str = include_str!("../../reference/large_cantilever.csv");
 const CASE: &str = "large-cantilever";
 const ELEMENTS: [&str; 4] = ["ems", "cm", "mitc4", "solid-shell"];
 /// Points of the reference and their sets.

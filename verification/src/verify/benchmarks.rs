@@ -33,14 +33,14 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-const ROOF: &str = include_str!("../../../../verification/models/scordelis_lo.toml");
-const CYLINDER: &str = include_str!("../../../../verification/models/pinched_cylinder.toml");
-const HEMISPHERE: &str = include_str!("../../../../verification/models/hemisphere.toml");
-const STRIP: &str = include_str!("../../../../verification/models/strip.toml");
-const ANNULUS: &str = include_str!("../../../../verification/models/slit_annulus.toml");
-const LINEAR: &str = include_str!("../../../../verification/reference/linear_benchmarks.csv");
-pub(super) const SZE: &str = include_str!("../../../../verification/reference/sze.csv");
-const SZE_LITERATURE: &str = include_str!("../../../../verification/reference/sze_literature.csv");
+const ROOF: &str = include_str!("../../models/scordelis_lo.toml");
+const CYLINDER: &str = include_str!("../../models/pinched_cylinder.toml");
+const HEMISPHERE: &str = include_str!("../../models/hemisphere.toml");
+const STRIP: &str = include_str!("../../models/strip.toml");
+const ANNULUS: &str = include_str!("../../models/slit_annulus.toml");
+const LINEAR: &str = include_str!("../../reference/linear_benchmarks.csv");
+pub(super) const SZE: &str = include_str!("../../reference/sze.csv");
+const SZE_LITERATURE: &str = include_str!("../../reference/sze_literature.csv");
 
 fn elements(mesh: &str) -> [u32; 2] {
     let mut n = mesh.split('x').map(|n| n.parse().unwrap_or(1));

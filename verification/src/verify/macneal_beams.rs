@@ -37,7 +37,7 @@ pub(super) const CASES: &[Case] = &[Case {
     run: all,
 }];
 
-const REFERENCE: &str = include_str!("../../../../verification/reference/macneal_harder.csv");
+const REFERENCE: &str = include_str!("../../reference/macneal_harder.csv");
 const CASE: &str = "macneal-harder-beams";
 const ELEMENTS: [&str; 4] = ["ems", "cm", "mitc4", "solid-shell"];
 

@@ -43,9 +43,9 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-const ROOF: &str = include_str!("../../../../verification/models/hinged_roof.toml");
-const CYLINDER: &str = include_str!("../../../../verification/models/open_cylinder.toml");
-const PUBLISHED: &str = include_str!("../../../../verification/reference/sze_paths.csv");
+const ROOF: &str = include_str!("../../models/hinged_roof.toml");
+const CYLINDER: &str = include_str!("../../models/open_cylinder.toml");
+const PUBLISHED: &str = include_str!("../../reference/sze_paths.csv");
 
 /// Force of load ratio 1 (N).
 const FULL: f64 = 3000.0;

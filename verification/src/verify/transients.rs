@@ -32,9 +32,9 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-const HINGED: &str = include_str!("../../../../verification/models/hinged_plate.toml");
-const OSCILLATING: &str = include_str!("../../../../verification/models/oscillating_plate.toml");
-const REFERENCE: &str = include_str!("../../../../verification/reference/transients.csv");
+const HINGED: &str = include_str!("../../models/hinged_plate.toml");
+const OSCILLATING: &str = include_str!("../../models/oscillating_plate.toml");
+const REFERENCE: &str = include_str!("../../reference/transients.csv");
 /// The free corner that is watched.
 const TIP: &str = "u_max_v_min";
 

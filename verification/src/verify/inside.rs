@@ -34,7 +34,7 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-const BALLOON: &str = include_str!("../../../../verification/reference/balloon.csv");
+const BALLOON: &str = include_str!("../../reference/balloon.csv");
 
 pub(super) fn flat(size: [f64; 2], elements: [u32; 2]) -> MeshSource {
     MeshSource::Plate(PlateMesh {

@@ -17,8 +17,8 @@ pub(super) const CASES: &[Case] = &[Case {
     run: all,
 }];
 
-const MODEL: &str = include_str!("../../../../verification/models/follower_strip.toml");
-const REFERENCE: &str = include_str!("../../../../verification/reference/follower_strip.csv");
+const MODEL: &str = include_str!("../../models/follower_strip.toml");
+const REFERENCE: &str = include_str!("../../reference/follower_strip.csv");
 const CASE: &str = "follower-loads";
 /// Digits of the reference.
 const DIGITS: f64 = 1e-5;

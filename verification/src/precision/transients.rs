@@ -6,9 +6,9 @@ use tegula::{Error, Result};
 use super::Stepping;
 use crate::verify::model::{grid, read};
 
-const PENDULUM: &str = include_str!("../../../../examples/quarter_cylinder_pendulum.toml");
-const PLATE: &str = include_str!("../../../../verification/models/vibrating_plate.toml");
-const TUMBLING: &str = include_str!("../../../../verification/models/tumbling_plate.toml");
+const PENDULUM: &str = include_str!("../../models/examples/quarter_cylinder_pendulum.toml");
+const PLATE: &str = include_str!("../../models/vibrating_plate.toml");
+const TUMBLING: &str = include_str!("../../models/tumbling_plate.toml");
 
 /// The part of the pendulum's motion that is looked at (s).
 const PENDULUM_END: f64 = 0.5;

@@ -52,7 +52,7 @@ pub fn all(report: &mut Report) -> Result<()> {
 
 macro_rules! model {
     ($name:literal) => {
-        include_str!(concat!("../../../../verification/models/results/", $name, ".toml"))
+        include_str!(concat!("../../models/results/", $name, ".toml"))
     };
 }
 
@@ -402,7 +402,7 @@ fn thrown_plate(report: &mut Report) -> Result<()> {
 /// A bar pulled suddenly: d'Alembert's waves, u = σ/(ρ c) (t − (L − x)/c) behind the front (K. F. Graff, *Wave Motion in
 /// Elastic Solids*, Ohio State University Press 1975, Sect. 2.1–2.4), by explicit steps.
 fn pulled_bar(report: &mut Report) -> Result<()> {
-    let results = Results::of(include_str!("../../../../examples/stress_wave.toml"))?;
+    let results = Results::of(include_str!("../../models/examples/stress_wave.toml"))?;
     let (stress, young, density) = (1e8, 2.1e11, 7850.0_f64);
     let speed = (young / density).sqrt();
     let history = results.table("history.csv")?;

@@ -19,8 +19,8 @@ pub(super) const CASES: &[Case] = &[
     Case { name: "plate-fast", about: "Sect. 5.1 up to n = 8", cost: Cost::Fast, run: fast },
 ];
 
-const MODEL: &str = include_str!("../../../../verification/models/cantilever_plate.toml");
-const REFERENCE: &str = include_str!("../../../../verification/reference/cantilever_plate.csv");
+const MODEL: &str = include_str!("../../models/cantilever_plate.toml");
+const REFERENCE: &str = include_str!("../../reference/cantilever_plate.csv");
 const CASE: &str = "plate";
 
 pub fn all(report: &mut Report) -> Result<()> {

@@ -22,8 +22,8 @@ pub(super) const CASES: &[Case] = &[
     Case { name: "frequencies-fast", about: "Sect. 5.3 up to n = 8", cost: Cost::Fast, run: fast },
 ];
 
-const MODEL: &str = include_str!("../../../../verification/models/free_plate.toml");
-const REFERENCE: &str = include_str!("../../../../verification/reference/free_plate.csv");
+const MODEL: &str = include_str!("../../models/free_plate.toml");
+const REFERENCE: &str = include_str!("../../reference/free_plate.csv");
 const CASE: &str = "frequencies";
 
 pub fn all(report: &mut Report) -> Result<()> {

@@ -41,7 +41,7 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 const CASE: &str = "machines";
-const REFERENCE: &str = include_str!("../../../../verification/reference/machines.csv");
+const REFERENCE: &str = include_str!("../../reference/machines.csv");
 /// Drift of the total energy over the largest kinetic energy: the tolerance of Newton's method.
 const DRIFT: f64 = 1e-10;
 /// Drift of a momentum over its value.
@@ -49,7 +49,7 @@ const MOMENTA: f64 = 1e-9;
 
 macro_rules! model {
     ($name:literal) => {
-        ($name, include_str!(concat!("../../../../verification/models/machines/", $name, ".toml")))
+        ($name, include_str!(concat!("../../models/machines/", $name, ".toml")))
     };
 }
 
