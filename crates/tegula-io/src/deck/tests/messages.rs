@@ -48,7 +48,7 @@ fn unknown_keys_come_with_the_one_that_was_meant() {
     "#);
     insta::assert_snapshot!(with("thickness = 0.1", "thickness = 0.1\nyoung = 3.0"), @r#"
     m.toml:17:1: sections[0].young: unknown key "young"
-      help: "young" is a key of "materials"; here there are "on", "element", "material", "thickness", "layup", "shear_correction", "shear_stabilization", "ans_shear", "ans_thickness", "eas", "membrane", "thickness_eas", "thickness_points", "total_mass", "retardation_time"
+      help: "young" is a key of "materials"; here there are "on", "element", "material", "thickness", "thickness_distribution", "layup", "shear_correction", "shear_stabilization", "ans_shear", "ans_thickness", "eas", "membrane", "thickness_eas", "thickness_points", "total_mass", "retardation_time"
     "#);
     insta::assert_snapshot!(with("[output]\ninterval = 0.1", "output = 3"), @r#"
     m.toml:25:1: loads[0].output: unknown key "output"
