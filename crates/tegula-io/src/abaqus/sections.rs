@@ -57,7 +57,9 @@ pub(super) fn section(
 /// Parameters that change the shell and are not read.
 fn refuse(reader: &Reader<'_>, card: &Card<'_>) -> Result<(), MeshError> {
     let help = |name: &str| match name {
-        "NODAL THICKNESS" => Some("give sections of different thicknesses"),
+        "NODAL THICKNESS" => Some(
+            "give sections of different thicknesses, or `thickness_distribution`, a formula of the place",
+        ),
         "ORIENTATION" => Some(
             "remove it, and give `direction` of a `layup` in the model file that `tegula convert` writes",
         ),

@@ -22,10 +22,28 @@ impl Checker {
             let help = "use `ems`, `mitc4`, `cm` or `solid-shell`, or sections of one thickness each";
             return self.add(key, "`ancf-full` has one thickness in each section", help);
         }
+        let usual = section.whole_thickness();
+        if !usual.is_normal() || usual < 0.0 {
+            // It is refused on its own.
+            return;
+        }
         let before = self.issues.len();
         self.distribution(mesh, &key, (text, &section.on, LoadedPart::Quads));
         if self.issues.len() > before {
             return;
+        }
+        let help = "give a formula that is above 0 on the whole set";
+        let nodes = PlaceFormula::read(text).ok().zip(mesh.nodes_on(&section.on));
+        let place = |node: u32| mesh.positions[node as usize];
+        if let Some((formula, nodes)) = nodes
+            && let Some(node) = nodes.into_iter().find(|&node| formula.value(&place(node)) < 0.0)
+        {
+            let (value, at) = (formula.value(&place(node)), show(place(node)));
+            let message = format!(
+                "the distribution is {value:.3e} at node {} at {at}: no thickness is below 0",
+                mesh.node_label(node)
+            );
+            return self.add(key, message, help);
         }
         let means = means(Some(text), mesh, quads);
         let thin = quads
@@ -40,7 +58,7 @@ impl Checker {
                 mesh.quad_label(quad as usize),
                 show(centre)
             );
-            self.add(key, message, "give a formula that is above 0 on the whole set");
+            self.add(key, message, help);
         }
     }
 
@@ -60,7 +78,7 @@ impl Checker {
                     "the distribution has no value, or grows beyond all bounds, at {}",
                     show(place)
                 ),
-                "look for a division by 0, a root or logarithm of a negative number, and numbers above 1e308",
+                "look for a division by 0, a root or logarithm of a negative number, and numbers above 1e100",
             ),
             Some(WithoutIntegral::Divergent(place)) => self.add(
                 key,

@@ -143,10 +143,11 @@ fn formulas_of_thickness_and_strains_without_meaning_are_refused() {
     for (element, formula, message) in [
         (
             ElementKind::Ems,
-            "1 - 2*x",
-            "over element 1 at (0.75, 0.5, 0.0) is -5.000e-1: the thickness must be above 0",
+            "max(1 - 2*x, 0)",
+            "over element 1 at (0.75, 0.5, 0.0) is 0.000e0: the thickness must be above 0",
         ),
-        (ElementKind::Ems, "x - 1", "the thickness must be above 0"),
+        (ElementKind::Ems, "1 - 1.02*x", "is -2.000e-2 at node "),
+        (ElementKind::Ems, "x - 1", "at (0.0, 0.0, 0.0): no thickness is below 0"),
         (ElementKind::Ems, "0", "is 0.000e0: the thickness must be above 0"),
         (ElementKind::Ems, "1/x", "grows beyond all bounds, at (0.0, 0.0, 0.0)"),
         (ElementKind::Ems, "1 + ", "formula"),

@@ -222,7 +222,7 @@ fn element(reader: &Reader<'_>, card: &Card<'_>, bulk: &mut Bulk) -> Result<(), 
         "the offset ZOFFS",
         "give `offset` of a `layup` in the model file that `tegula convert` writes",
     )?;
-    let same = "give sections of different thicknesses";
+    let same = "give sections of different thicknesses, or `thickness_distribution`, a formula of the place";
     card.none(reader, 9, "TFLAG", same)?;
     for corner in 0..4 {
         let field = card.field(10 + corner);
