@@ -83,6 +83,7 @@ pub fn run(cases: &[&Case], pictures: Option<&Path>, on_row: &mut dyn FnMut(&Row
     for case in cases {
         let before = report.rows().len();
         statistics::take();
+        report.begin(case.name);
         if let Err(error) = (case.run)(&mut report) {
             report.failed(case.name, &error.to_string());
         }

@@ -23,7 +23,9 @@ pub enum Verdict {
 /// One compared value.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    /// Case.
+    /// Case of the command line that computed it.
+    pub run: String,
+    /// Case, or a part of it.
     pub case: String,
     /// Quantity.
     pub quantity: String,
@@ -143,6 +145,7 @@ pub struct Report {
     tables: Vec<Table>,
     pictures: Option<PathBuf>,
     element: String,
+    run: &'static str,
     counters: Vec<(&'static str, Vec<Counters>)>,
 }
 
@@ -154,6 +157,7 @@ impl Report {
             tables: Vec::new(),
             pictures: pictures.map(Path::to_path_buf),
             element: "ems".into(),
+            run: "",
             counters: Vec::new(),
         }
     }
@@ -181,6 +185,11 @@ impl Report {
     /// Path of a figure, if figures are wanted.
     pub fn picture(&self, name: &str) -> Option<PathBuf> {
         self.pictures.as_ref().map(|p| p.join(name))
+    }
+
+    /// Case of the command line of the rows that follow.
+    pub(super) fn begin(&mut self, run: &'static str) {
+        self.run = run;
     }
 
     /// Element name of the rows that follow.
@@ -236,6 +245,7 @@ impl Report {
         pass: bool,
     ) {
         self.rows.push(Row {
+            run: self.run.into(),
             case: case.into(),
             quantity: quantity.into(),
             element: self.element.clone(),
