@@ -200,11 +200,13 @@ fn architecture() -> String {
 
 /// Types and traits that the crates define.
 fn defined_types() -> BTreeSet<String> {
-    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut out = BTreeSet::new();
-    for name in ["tegula-sparse", "tegula", "tegula-io", "tegula-verify", "tegula-cli"] {
+    let crates =
+        ["crates/tegula-sparse", "crates/tegula", "crates/tegula-io", "crates/tegula-cli", "verification"];
+    for name in crates {
         let mut files = Vec::new();
-        sources(&crates.join(name).join("src"), &mut files);
+        sources(&root.join(name).join("src"), &mut files);
         for file in files {
             for line in code(&file).lines() {
                 let mut words =
