@@ -212,14 +212,14 @@ def contents(pages: list[tuple[str, list[dict]]]) -> str:
     lines = [
         "# Verification manual",
         "",
-        "One page for each case of `tegula verify`: definition, sources, values and models. [Verification](../verification.md) tells how cases are judged. *Use* is",
+        "One page for each case of `tegula verify`: definition, sources, values and models. [Verification](verification.md) tells how cases are judged. *Use* is",
         "the largest difference over its tolerance, or value over its limit. `scripts/verification_manual.py` writes these pages.",
         "",
         "| case | values | largest use |",
         "|:--|--:|--:|",
     ]
     for name, rows in pages:
-        lines.append(f"| [`{name}`](cases/{name}.md) | {len(rows)} | {percent(max(map(use, rows)))} |")
+        lines.append(f"| [`{name}`](verification/cases/{name}.md) | {len(rows)} | {percent(max(map(use, rows)))} |")
     return "\n".join(lines) + "\n"
 
 
@@ -243,7 +243,7 @@ def main() -> int:
     missing = {row["run"] for row in rows} - {name for names, *_ in cases() for name in names}
     if missing:
         sys.exit(f"book/src/verification.md does not describe {', '.join(sorted(missing))}")
-    fresh[BOOK / "verification/manual.md"] = contents(listed)
+    fresh[BOOK / "verification-manual.md"] = contents(listed)
     summary = (BOOK / "SUMMARY.md").read_text()
     absent = [path.name for path in fresh if f"({path.relative_to(BOOK)})" not in summary]
     if absent:
