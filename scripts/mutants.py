@@ -240,7 +240,7 @@ class Tests:
         scratch.mkdir(parents=True, exist_ok=True)
         with_mutant |= {"TMPDIR": str(scratch)} | ({"MUTANT_REACH": str(reach)} if reach else {})
         process = subprocess.Popen(
-            [program, "--exact", name, "--test-threads=1", "--quiet"],
+            [program, "--exact", name, "--include-ignored", "--test-threads=1", "--quiet"],
             cwd=self.programs[program],
             env=with_mutant,
             stdin=subprocess.DEVNULL,
