@@ -5,7 +5,7 @@ use crate::load::LoadParameter;
 use crate::system::System;
 
 /// Smallest distance of two stops over the length of the analysis. Where two points of a table are closer together (a
-/// jump), the stop of the second lies this far behind the first.
+/// jump), the stop of the second lies this far behind the first; a break closer to the end lies this far before it.
 const SMALLEST_GAP: f64 = 1e-9;
 /// Distance over the length of the analysis below which two stops differ by round-off only.
 const SAME: f64 = 1e-12;
@@ -43,6 +43,8 @@ impl Stops {
             }
             breaks
         });
+        let breaks =
+            breaks.map(|times| times.into_iter().filter(|&t| t < end).map(|t| before_end(t, end)).collect());
         Self::merged(breaks.chain([system.wanted_times.clone()]), end)
     }
 
@@ -95,11 +97,17 @@ impl Stops {
     }
 }
 
+/// A break before the end, moved to a place that a step can tell from it: the load of a jump there acts over the last gap, not
+/// over the whole last step.
+fn before_end(time: f64, end: f64) -> f64 {
+    time.min(end - SMALLEST_GAP * end)
+}
+
 /// Sorted times between 0 and `end`, none closer to the one before than the smallest gap: several times within it
 /// become one, at its end.
 fn spaced(mut times: Vec<f64>, end: f64) -> Vec<f64> {
     let gap = SMALLEST_GAP * end;
-    times.retain(|&t| t > 0.0 && t < end - gap);
+    times.retain(|&t| t > 0.0 && t <= end - gap);
     times.sort_unstable_by(f64::total_cmp);
     let mut last = 0.0;
     times.retain_mut(|t| {
@@ -135,6 +143,16 @@ mod tests {
         let dense: Vec<f64> = (0..1000).map(|i| 0.3 + 1e-13 * f64::from(i)).collect();
         assert_eq!(stops(&[&dense]).times, [0.3, 0.3 + SMALLEST_GAP]);
         assert_eq!(stops(&[&[1e-12, 1.0 - 1e-12]]).times, [SMALLEST_GAP]);
+    }
+
+    #[test]
+    fn a_break_just_before_the_end_is_a_stop_of_its_own() {
+        for end in [0.5, 1.0, 1000.0] {
+            let last = end - SMALLEST_GAP * end;
+            assert_eq!(before_end(end * (1.0 - 1e-13), end), last);
+            assert_eq!(before_end(0.5 * end, end), 0.5 * end);
+            assert_eq!(Stops::at(vec![last], end).times, [last]);
+        }
     }
 
     #[test]

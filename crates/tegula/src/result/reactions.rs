@@ -122,7 +122,8 @@ impl ReactionFinder {
         };
         let earlier = FORCE_FREE * earlier_forces(system, new);
         let out = self.sum(system, &forces, earlier);
-        if system.prescribed_strains.is_empty() || larger(out.force_error, out.moment_error) <= FORCE_FREE {
+        let strained = !system.prescribed_strains.is_empty() || system.yields();
+        if !strained || larger(out.force_error, out.moment_error) <= FORCE_FREE {
             return out;
         }
         self.sum(system, &forces, larger(earlier, ROUND_OFF * stretching_force(system, new)))
@@ -322,7 +323,7 @@ fn combine([a, b]: [f64; 2], x: &[Nodal], y: &[Nodal]) -> Vec<Nodal> {
 const FORCE_FREE: f64 = 1e-8;
 
 /// Strain energy of a uniform strain of 1 over the length of the model: a force. Strains are differences of numbers of the size 1, and where parts
-/// follow their prescribed strains freely, the forces of the round-off of these numbers are all that is left.
+/// follow their prescribed strains freely, or are unloaded with plastic strains, the forces of the round-off of these numbers are all that is left.
 fn stretching_force(system: &System, state: &State) -> f64 {
     let coordinates = &system.coordinates;
     let mut stretch = vec![[0.0; 3]; system.vectors()];

@@ -84,6 +84,7 @@ fn a_prestress_has_its_mean_in_each_element() {
 /// that is `(12F/(E b h³)) 8 (ln 2 − 5/8)`, as follows with s = 2 − x: `∫₁² 8 (s − 1)²/s³ ds = 8 [ln s + 2/s − 1/(2s²)]₁²`.
 /// Shear adds `∫ F/(5/6 G b h (1 − x/2)) dx` with G = E/2.
 #[test]
+#[ignore = "long"]
 fn a_tapered_cantilever_deflects_as_a_beam() {
     let (h, width, force) = (0.01, 0.1, 1e-3);
     let bending = 12.0 / (h * h) * 8.0 * (2.0_f64.ln() - 0.625);
@@ -184,5 +185,36 @@ fn a_prescribed_strain_that_is_zero_on_its_set_is_a_warning() {
         let found = warnings(&m, &mesh, &build(&m, &mesh).unwrap());
         let zero = found.iter().filter(|w| w.message.contains("the prescribed strain is zero"));
         assert_eq!(zero.count(), count, "{formula}: {found:?}");
+    }
+}
+
+/// A free plate under a linear temperature expands without stress (B. A. Boley, J. H. Weiner, *Theory of Thermal Stresses* (1960), sect. 3.8).
+/// Elements that have its mean hold each other: their stress is a part of that of the change of the temperature within an element.
+#[test]
+fn a_linear_temperature_leaves_stress_of_the_first_order() {
+    let h = 0.01;
+    for (distortion, limit) in [(0.0, 0.25), (0.25, 0.6)] {
+        for elements in [4, 8, 16] {
+            let mut m = common::model(plate([1.0, 1.0], [elements, elements], distortion), YOUNG, h);
+            let material = Isotropic { expansion: EXPANSION, ..Isotropic::new(YOUNG, 0.0, 3.0) };
+            m.materials.insert("m".into(), Material::Isotropic(material));
+            m.analysis = Analysis::Static(StaticAnalysis { linear: true, ..Default::default() });
+            let held = |on: &str, position: Vec<Axis>| {
+                Condition::Fix(FixComponents { on: on.into(), position, director: Vec::new() })
+            };
+            m.conditions = vec![
+                held("u_min_v_min", vec![Axis::X, Axis::Y, Axis::Z]),
+                held("u_max_v_min", vec![Axis::Y, Axis::Z]),
+                held("u_min_v_max", vec![Axis::Z]),
+            ];
+            m.loads.clear();
+            m.prescribed_strains = vec![heat(10.0, "x + y")];
+            let (_, system, outcome) = common::solve(&m);
+            let along_a_side = YOUNG * h * EXPANSION * 10.0 / f64::from(elements);
+            let stresses: Vec<f64> =
+                recover(&system, &outcome.state).iter().flat_map(|stress| stress.membrane).collect();
+            let largest = stresses.iter().fold(0.0_f64, |a, b| if b.abs() <= a { a } else { b.abs() });
+            assert!(largest < limit * along_a_side, "{distortion} {elements}: {}", largest / along_a_side);
+        }
     }
 }

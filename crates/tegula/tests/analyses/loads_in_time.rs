@@ -44,6 +44,64 @@ fn run(m: &Model, scheme: Scheme, end: f64, step: Option<f64>, notes: &mut Notes
     outcome.balance.momentum[2] / 20.0
 }
 
+/// A load that begins just before the end has the impulse of its short action alone, also where this is shorter than two ends of steps
+/// may be apart, and explicit steps do not take the half step for an instability.
+#[test]
+fn a_load_that_begins_just_before_the_end_gives_its_impulse() {
+    for width in [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-15] {
+        let m = pushed(table(&[1.0 - width, 1.0, 2.0], &[0.0, 1.0, 1.0]));
+        let exact = 3.0 / 20.0 * 0.5 * width;
+        for scheme in ALL {
+            for step in [None, Some(0.01)] {
+                if step.is_some() && scheme == EXPLICIT {
+                    continue;
+                }
+                let velocity = run(&m, scheme, 1.0, step, &mut Notes::default());
+                // Ends of steps are 1e-9 apart, and accelerations of HHT hold a tenth of the load before.
+                let (share, gap) = (if scheme == HHT { 0.11 } else { 1e-5 }, 0.15 * 1e-9);
+                assert!(
+                    (velocity - exact).abs() <= share * exact + gap,
+                    "{width} {scheme:?} {step:?}: {velocity} for {exact}"
+                );
+            }
+        }
+    }
+}
+
+/// A clamped plate that is heated at once stretches through its thickness much faster than any usual step.
+fn suddenly_heated() -> Model {
+    let mut m = model(plate([1.0, 0.4], [6, 3], 0.0), 70e9, 0.004);
+    let material = Isotropic { expansion: 2.3e-5, ..Isotropic::new(70e9, 0.3, 2700.0) };
+    m.materials.insert("m".into(), Material::Isotropic(material));
+    m.loads.clear();
+    m.prescribed_strains = vec![PrescribedStrain::Thermal(ThermalStrain {
+        on: "all".into(),
+        temperature: 20.0,
+        gradient: 0.0,
+        distribution: None,
+        amplitude: None,
+    })];
+    m
+}
+
+#[test]
+fn a_scheme_that_gains_energy_behind_sudden_heat_warns() {
+    let dissipative = Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius: 0.0 });
+    for (scheme, step) in [(dissipative, None), (HHT, Some(2e-4))] {
+        let mut notes = Notes::default();
+        run(&suddenly_heated(), scheme, 0.01, step, &mut notes);
+        let largest = max_norm(notes.totals.iter().map(|t| t.1));
+        assert!(largest > 3.0 * notes.totals[0].1, "{scheme:?}: {largest}");
+        let told =
+            notes.events.iter().any(|event| event.contains("in the first steps the motion has gained"));
+        assert!(told, "{scheme:?}: {:?}", notes.events);
+    }
+    let mut notes = Notes::default();
+    run(&suddenly_heated(), ENERGY_MOMENTUM, 0.01, None, &mut notes);
+    assert!(notes.drift() < 1e-6 * notes.totals[0].1, "{}", notes.drift());
+    assert!(!notes.events.iter().any(|event| event.contains("gained")), "{:?}", notes.events);
+}
+
 /// Tractions on irregular quads do not push each node by its mass: the momentum is exact, the motion is not rigid.
 #[test]
 fn a_pulse_between_steps_gives_its_impulse_in_every_scheme() {
@@ -85,6 +143,7 @@ fn a_jump_of_a_table_gives_its_impulse_in_every_scheme() {
 
 /// v = F/(m ω) (1 − cos ωt), z = F/(m ω) (t − sin ωt/ω) of the centre of mass.
 #[test]
+#[ignore = "long"]
 fn a_formula_faster_than_the_motion_is_resolved_by_automatic_steps() {
     for hertz in [80.0, 800.0, 1600.0] {
         let m = pushed(formula(&format!("sin(2*PI*{hertz}*t)")));
@@ -274,6 +333,7 @@ fn plastic_cycle(amplitude: Amplitude, load_steps: u32) -> Model {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_plastic_cycle_gives_one_answer_whatever_the_load_steps() {
     // The stress update over a step is of first order where the direction of the stress turns: what remains is its error.
     let courses = [(table(&[0.0, 0.5, 1.0], &[0.0, 1.0, 0.0]), 1e-3), (formula("sin(PI*t)"), 2e-3)];

@@ -58,23 +58,62 @@ pub(super) struct EnergyWatch {
     lowest: f64,
     /// Gain that triggers the next report.
     next: f64,
+    /// Kinetic and strain energy, potential, and their sum with work and dissipation at the start.
+    start: [f64; 3],
+    /// Largest energy that the state at the start and the loads can have supplied so far.
+    supplied: f64,
+    /// Largest gain since the start, in the first steps and in all of them.
+    first: f64,
+    largest: f64,
+    /// Whether drives or prescribed motions do work, which is known to the error of the reactions only.
+    led: bool,
 }
 
 impl EnergyWatch {
-    /// Watch without any report yet.
-    pub fn new() -> Self {
-        Self { lowest: f64::INFINITY, next: FIRST }
+    /// Watch without any report yet, from the energies at the start.
+    pub fn new(system: &System, balance: &Balance) -> Self {
+        let stored = balance.kinetic + balance.strain;
+        let driven = system.joints.iter().any(|joint| joint.drive.is_some());
+        Self {
+            led: driven || !system.dofs().prescribed.is_empty(),
+            lowest: f64::INFINITY,
+            next: FIRST,
+            start: [stored, balance.potential, balance.total],
+            supplied: stored,
+            first: 0.0,
+            largest: 0.0,
+        }
     }
 
-    /// Looks at the energies at the end of a step with this number; `scale` is the largest energy so far.
+    /// Looks at the energies at the end of a step with this number; `scale` is the largest energy so far. The first steps are judged
+    /// together, at the last of them, when loads have done more work than in the very first one.
     pub fn look(
         &mut self,
         system: &System,
         (balance, scale): (&Balance, f64),
-        (step, Span { end: time, dt }): (u64, Span),
+        (step, Span { end: time, dt }, last): (u64, Span, bool),
         observer: &mut dyn Observer,
     ) {
+        let [stored, potential, total] = self.start;
+        self.supplied =
+            larger(self.supplied, stored + balance.work.abs() + (balance.potential - potential).abs());
         self.lowest = self.lowest.min(balance.total);
+        let since_start = balance.total - total;
+        if !self.led && since_start > energy_of_round_off(system, dt) {
+            self.largest = larger(self.largest, since_start);
+        }
+        if step <= FIRST_STEPS {
+            self.first = self.largest;
+        }
+        if (step == FIRST_STEPS || last && step < FIRST_STEPS) && self.first > GAINED_AT_FIRST * self.supplied
+        {
+            observer.on_warning(&format!(
+                "time {time:.6e}: in the first steps the motion has gained an energy of {:.3e}, where loads and initial state supply {:.3e}: \
+                 vibrations much faster than the steps, such as those of the thickness behind sudden loads or temperatures, overshoot, and \
+                 energies and stresses are wrong there; take the scheme \"energy-momentum\", shorter steps, or loads that grow from 0",
+                self.first, self.supplied
+            ));
+        }
         let scale = larger(scale, larger(balance.kinetic, balance.strain));
         let gain = (balance.total - self.lowest) / scale;
         if step <= FIRST_STEPS || scale == 0.0 || gain <= self.next {
@@ -84,11 +123,22 @@ impl EnergyWatch {
             return;
         }
         self.next = GROWTH * gain;
-        observer.on_event(&format!(
+        observer.on_warning(&format!(
             "time {time:.6e}: the motion has gained {:.0} % of its largest energy: the time steps are too long for it; take shorter or automatic \
              steps, or the scheme \"energy-momentum\"",
             100.0 * gain
         ));
+    }
+
+    /// Advice for a motion that ends in a failure, where it had gained energy before.
+    pub fn advice(&self) -> Option<String> {
+        (self.largest > GAINED_AT_FIRST * self.supplied).then(|| {
+            format!(
+                "Before, the motion had gained an energy of {:.3e}, where loads and initial state supply {:.3e}: vibrations much faster than \
+                 the steps have grown. Take the scheme \"energy-momentum\", shorter steps, or loads and temperatures that grow from 0.",
+                self.largest, self.supplied
+            )
+        })
     }
 }
 

@@ -97,6 +97,11 @@ impl<'a> Explicit<'a> {
         })
     }
 
+    /// Velocities in the middle of the last step.
+    pub(super) fn middle(&self) -> &[Nodal] {
+        &self.middle
+    }
+
     /// Adds the accelerations under the unbalanced forces `rest` of a state without multipliers to those of the state; with joints it
     /// gets the multipliers, too.
     pub(super) fn accelerate(&mut self, rest: &[Nodal], state: &mut State) {

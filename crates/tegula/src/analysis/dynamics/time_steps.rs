@@ -97,6 +97,7 @@ impl<'a> TimeSteps<'a> {
         };
         newton.restore(system, &state, true);
         let control = StepControl::new(options);
+        let balance = balance(system, &mut newton.assembly, &state);
         if fresh {
             state.next_step = control.first(system, &state);
         }
@@ -111,13 +112,13 @@ impl<'a> TimeSteps<'a> {
             instants: 0,
             drilling: DrillingWatch::new(),
             drive_rates: DriveRates::new(system, state.time),
-            energies: EnergyWatch::new(),
+            energies: EnergyWatch::new(system, &balance),
             rotations: RotationWatch::new(
                 system,
                 options.time_step.is_some() && !options.scheme.is_kinematic(),
                 &state.u,
             ),
-            balance: balance(system, &mut newton.assembly, &state),
+            balance,
             statistics: Statistics { steps: state.step, ..Statistics::default() },
             old_velocities: vec![[0.0; 3]; system.vectors()],
             own_tangents: false,
@@ -335,7 +336,8 @@ impl<'a> TimeSteps<'a> {
         drilling.look(system, at, observer, || format!("time {:.6e}", state.time));
         if !self.options.scheme.conserves_energy() && !self.options.scheme.is_kinematic() {
             let energies = (&self.balance, state.energy_scale);
-            self.energies.look(system, energies, (state.step, span), observer);
+            let last = span.end >= self.options.end_time;
+            self.energies.look(system, energies, (state.step, span, last), observer);
         }
         self.rotations.look(system, at, scheme.sub_steps(), observer);
         Ok(Attempt::Accepted(converged.iterations))
@@ -353,13 +355,14 @@ impl<'a> TimeSteps<'a> {
         let smallest = if trouble == Trouble::LeavesCurve { LEAVING } else { SMALLEST_STEP };
         if state.next_step < smallest * options.end_time {
             observer.on_repeat(statistics);
+            let of_energy = self.energies.advice().filter(|_| !options.scheme.conserves_energy());
             return Err(Error::NotConverged {
                 at: format!("time {:.6e}", state.time + span.dt),
                 reason: failure,
                 help: format!(
                     "The last finished step ended at time {:.6e}; results up to there are complete. {}",
                     state.time,
-                    advice(system, options, trouble)
+                    of_energy.unwrap_or_else(|| advice(system, options, trouble))
                 ),
             });
         }
