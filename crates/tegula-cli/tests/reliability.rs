@@ -51,6 +51,7 @@ fn summary(folder: &Path) -> Value {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_closed_or_full_standard_error_does_not_end_a_run() {
     let folder = tempfile::tempdir().unwrap();
     let model = write(folder.path(), PLATE);
@@ -152,6 +153,7 @@ fn wait_for_rows(out: &Path, rows: usize) {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_terminated_run_can_be_resumed() {
     let folder = tempfile::tempdir().unwrap();
     let model = pendulum(folder.path(), "end_time = 0.9");
@@ -167,6 +169,7 @@ fn a_terminated_run_can_be_resumed() {
 }
 
 #[test]
+#[ignore = "long"]
 fn under_nohup_a_run_outlives_its_terminal() {
     let folder = tempfile::tempdir().unwrap();
     let (model, out) = (pendulum(folder.path(), "end_time = 0.1"), folder.path().join("out"));
@@ -218,6 +221,7 @@ fn more_threads_than_make_sense_are_not_started() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_model_may_come_through_a_pipe() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
@@ -274,6 +278,7 @@ fn json_is_printed_for_programs() {
 }
 
 #[test]
+#[ignore = "long"]
 fn progress_speaks_of_load_factors_and_times() {
     let folder = tempfile::tempdir().unwrap();
     let (model, out) = (write(folder.path(), PLATE), folder.path().join("out"));

@@ -177,6 +177,7 @@ grid = { elements = [36, 36] }"#;
 /// Elements of one shape share what follows from it. Which of them a thread meets first depends on the number of
 /// threads; the results do not.
 #[test]
+#[ignore = "long"]
 fn result_files_have_the_same_bits_for_any_number_of_threads() {
     let sheet = |element: &str, material: &str| {
         format!("element = \"{element}\"\nmaterial = \"{material}\"\nthickness = 0.01")

@@ -53,6 +53,7 @@ fn options(folder: &Path, resume: bool) -> JobOptions {
 }
 
 #[test]
+#[ignore = "long"]
 fn body_of_a_file_beside_the_model_has_its_mass_centre_and_is_drawn() {
     let folder = tempfile::tempdir().unwrap();
     let deck = deck(folder.path(), MODEL);
@@ -88,6 +89,7 @@ fn changed_surface_is_another_model() {
 
 /// Steps compile the model again, with its surfaces.
 #[test]
+#[ignore = "long"]
 fn models_with_steps_have_their_surfaces_in_all_of_them() {
     let folder = tempfile::tempdir().unwrap();
     let analysis = "analysis = { type = \"transient\", end_time = 0.1, time_step = 0.01, scheme = { type = \"energy-momentum\" } }";

@@ -130,6 +130,7 @@ fn dense_inertia(m: &Matrix) -> (usize, usize) {
 /// Two full saddle points `[[D, 0, 0], [0, 0, M], [0, Mᵀ, 0]]`, each one front that is wider than a block and has no
 /// pivots in its first columns behind D alone, and unknowns between them.
 #[test]
+#[ignore = "long"]
 fn wide_fronts_find_pivots_outside_of_their_blocks() {
     for (definite, small) in [(0_usize, 0.0), (0, 1e-9), (140, 0.0), (300, 1e-12)] {
         let (half, between) = (150_usize, 40_usize);
@@ -258,6 +259,7 @@ fn constraints_delay_their_pivots() {
 
 /// The structure that was found serves on, on any number of threads.
 #[test]
+#[ignore = "long"]
 fn later_matrices_find_their_pivots_at_once() {
     let n = 45;
     let m = constrained(n, 280, 1e-2, &mut Random::new(5));

@@ -97,6 +97,7 @@ fn checked(name: &str, m: &Matrix, interface: &[u32]) {
 }
 
 #[test]
+#[ignore = "long"]
 fn schur_complements_are_those_of_dense_elimination() {
     let shell = grid(9, 8, 6, 1e-2);
     let n = shell.size() as u32;
@@ -122,6 +123,7 @@ fn schur_complements_are_those_of_dense_elimination() {
 }
 
 #[test]
+#[ignore = "long"]
 fn indefinite_interiors_are_eliminated_with_pivoting() {
     let mut unstable = grid(12, 12, 3, 1e-3);
     unstable.values[unstable.pointers[200]] -= 1e3;
@@ -242,6 +244,7 @@ fn results(m: &Matrix, interface: &[u32], sequential: bool) -> (Vec<f64>, Vec<f6
 
 /// Large enough for node-level fronts; the Schur complement is symmetric to the bit.
 #[test]
+#[ignore = "long"]
 fn results_do_not_depend_on_the_number_of_threads() {
     let cut: Vec<u32> = (30 * 60 * 6..31 * 60 * 6).collect();
     let multipliers: Vec<u32> = (10800..11300).collect();

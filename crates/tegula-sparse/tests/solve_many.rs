@@ -102,6 +102,7 @@ fn solutions_depend_on_nothing_beside_them() {
 
 /// Large enough that subtrees are split between threads; definite, indefinite, and with delayed columns.
 #[test]
+#[ignore = "long"]
 fn solutions_do_not_depend_on_the_number_of_threads() {
     for m in [
         grid(64, 64, 6, 1e-2),

@@ -162,6 +162,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[ignore = "long"]
     fn the_error_of_a_constant_step_is_of_second_order_and_its_work_is_counted() {
         let bench = Bench::new(Transient::Tumbling, Some(5), 2.0).unwrap();
         assert!(bench.reference.uncertainty < 1e-4, "{:?}", bench.reference);

@@ -78,6 +78,7 @@ fn the_box_beam_of_a_bulk_data_file_twists_as_a_closed_thin_section() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_converted_bulk_data_file_gives_the_same_results() {
     let folder = tempfile::tempdir().unwrap();
     let (model, out) = (folder.path().join("model.toml"), folder.path().join("out"));
@@ -91,6 +92,7 @@ fn a_converted_bulk_data_file_gives_the_same_results() {
 
 /// Linear statics does not depend on the loads before: each subcase of one file gives what a file of its own gives.
 #[test]
+#[ignore = "long"]
 fn subcases_of_linear_statics_are_independent() {
     const BULK: &str = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,2.,0.,0.\nGRID,4,,0.,1.,0.\nGRID,5,,1.,1.,0.\nGRID,6,,2.,1.,0.\n\
         CQUAD4,1,3,1,2,5,4\nCQUAD4,2,3,2,3,6,5\nPSHELL,3,4,0.1,4,,4\nMAT1,4,210.+3,,0.3,7.85-9\nSPC1,1,123456,1,4\n\
@@ -115,6 +117,7 @@ fn subcases_of_linear_statics_are_independent() {
 /// E1 = 140 000 with the fibre along the strip, E2 = 10 000 across it. Of two plies the stiffer one below has the bending stiffness
 /// D - B²/A, and as it is on the side in tension the middle of the strip gets shorter.
 #[test]
+#[ignore = "long"]
 fn axes_of_materials_and_plies_of_bulk_data_files_bend_a_strip_as_beam_theory_says() {
     let folder = tempfile::tempdir().unwrap();
     let run = |name: &str, first: usize, theta: &str, property: &str| {

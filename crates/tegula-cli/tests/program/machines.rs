@@ -10,6 +10,7 @@ use super::{errors, example, near, result_of, results_of, tegula, text};
 
 /// The period of the physical pendulum by the complete elliptic integral; the disc takes its moment through the patch.
 #[test]
+#[ignore = "long"]
 fn the_plate_on_a_hub_swings_as_a_physical_pendulum() {
     let s = result_of("hub_pendulum.toml");
     let tip = s["points"]["tip"]["position"].as_array().unwrap();
@@ -43,6 +44,7 @@ fn the_truss_of_von_mises_snaps_at_its_limit_load() {
 
 /// Energy of a door that friction brakes, and an impact with a coefficient of restitution: the angle at which it sticks.
 #[test]
+#[ignore = "long"]
 fn the_door_rebounds_and_sticks_where_its_energy_is_spent() {
     let column = history_of("door.toml");
     let (torque, restitution, end) = (2.0, 0.5_f64, 0.5 * PI);
@@ -193,6 +195,7 @@ fn beads_on_cycloids_are_down_at_the_same_time() {
 
 /// F. Freudenstein, *Approximate synthesis of four-bar linkages*, Trans. ASME 77 (1955) 853–861.
 #[test]
+#[ignore = "long"]
 fn the_parts_of_a_four_bar_linkage_are_assembled_by_freudensteins_equation() {
     let column = history_of("assembled_four_bar.toml");
     let [crank, rocker] = ["sensor.crank.angle", "sensor.rocker.angle"].map(&column);
@@ -274,6 +277,7 @@ fn histories_of<const N: usize>(name: &str, steps: [&str; N]) -> [impl Fn(&str) 
 /// The crank and the rocker are rigid: C is where circles about B and D meet, one of the radius of the bent coupler's chord. A half
 /// wave of the height w shortens a strip of the length l by ∫ w'²/2 dx = π² w²/(4 l).
 #[test]
+#[ignore = "long"]
 fn the_laminated_coupler_moves_as_in_the_rigid_linkage_but_for_its_bow() {
     let column = history_of("flexible_four_bar.toml");
     let place = |name: &str| [column(&format!("{name}.x")), column(&format!("{name}.y"))];
@@ -311,6 +315,7 @@ fn the_laminated_coupler_moves_as_in_the_rigid_linkage_but_for_its_bow() {
 /// Once the start has died away, the wing follows its root as in steady vibration: the inertia of its first mode, which is nearly all
 /// of it, counts 1/(1 − (f/f₁)²) times, 0.5 % more.
 #[test]
+#[ignore = "long"]
 fn the_drive_of_the_flapping_wing_needs_the_moment_of_a_rigid_wing() {
     let column = history_of("flapping_wing.toml");
     let (time, moment, total) = (column("time"), column("joint.drive.my"), column("total"));
@@ -349,6 +354,7 @@ fn moments_of_fold(angle: f64) -> [f64; 2] {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_fold_of_the_tape_spring_grows_under_a_constant_moment() {
     let column = history_of("tape_spring.toml");
     let (time, strain, height) = (column("time"), column("strain"), column("middle.uz"));
@@ -382,6 +388,7 @@ fn the_fold_of_the_tape_spring_grows_under_a_constant_moment() {
 
 /// Mean moment over the fold's growth, from 60° to 160° between both ends; the first angle at which the tape snaps, and the last one of the way back.
 #[test]
+#[ignore = "long"]
 fn the_path_of_the_tape_spring_has_a_snap_and_a_plateau() {
     let column = history_of("tape_spring_path.toml");
     let (turn, moment, unstable) =
@@ -413,6 +420,7 @@ fn the_path_of_the_tape_spring_has_a_snap_and_a_plateau() {
 
 /// Half a leaf is a cantilever of linear width. Its natural curvature is that of the force at its end, so the weight makes it flat.
 #[test]
+#[ignore = "long"]
 fn the_axle_on_leaf_springs_has_the_rate_and_the_frequency_of_beams() {
     let [weight, payload, bounce] =
         histories_of("leaf_spring_axle.toml", ["1-weight", "2-payload", "3-bounce"]);
@@ -479,6 +487,7 @@ fn the_axle_on_leaf_springs_has_the_rate_and_the_frequency_of_beams() {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_slider_crank_moves_as_in_the_benchmark_library() {
     let column = history_of("slider_crank.toml");
     let last = |name: &str| *column(name).last().unwrap();

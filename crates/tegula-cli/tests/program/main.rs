@@ -101,6 +101,7 @@ fn the_free_plate_of_sect_5_3() {
 
 /// Bryan 1890 with the shear flexibility of Mindlin's plate: k = (m + 1/m)² for m half waves, lowered by 0.06 to 0.3 %.
 #[test]
+#[ignore = "long"]
 fn a_plate_under_compression_buckles_as_bryan_says() {
     let s = result_of("plate_buckling.toml");
     let factors = s["load_factors"].as_array().unwrap();
@@ -114,6 +115,7 @@ fn a_plate_under_compression_buckles_as_bryan_says() {
 /// To 0.5 s, where the published comparison allows 5 mm: trapezoidal rule with 0.5 ms on the same mesh by an
 /// independent program, `verification/reference/pendulum_n16_trapezoid_dt05.csv`.
 #[test]
+#[ignore = "long"]
 fn the_pendulum_of_sect_5_4() {
     let folder = tempfile::tempdir().unwrap();
     let model =
@@ -149,6 +151,7 @@ fn the_stress_wave_runs_with_the_speed_of_sound() {
 /// Navier's series of first-order theory: 100 w E2 h³/(q a⁴) = 1.0250 in the middle (Reddy, Mechanics of Laminated
 /// Composite Plates and Shells), and the stresses of the same series at the centre of an element beside it.
 #[test]
+#[ignore = "long"]
 fn the_simply_supported_laminate_of_the_literature() {
     let s = result_of("composite_plate.toml");
     near(&s["points"]["middle"]["displacement"][2], 1.0250e-4, 1e-4);
@@ -193,6 +196,7 @@ fn the_bimetal_strip_of_timoshenko() {
 
 /// The path goes through a snap-back: one deflection three times, limit loads of an independent program.
 #[test]
+#[ignore = "long"]
 fn the_path_of_the_hinged_roof_has_a_snap_back() {
     let (_folder, out) = results_of("hinged_roof_path.toml");
     let summary: serde_json::Value =
@@ -219,6 +223,7 @@ fn the_path_of_the_hinged_roof_has_a_snap_back() {
 
 /// Step by step the mean moment of a strip bent beyond yield, from the work over the angle.
 #[test]
+#[ignore = "long"]
 fn the_yielding_strip_has_the_moment_of_its_elastic_core() {
     let (_folder, out) = results_of("yielding_strip.toml");
     let history = fs::read_to_string(out.join("history.csv")).unwrap();
@@ -469,6 +474,7 @@ fn failed_analyses_exit_with_3() {
 /// One run is stopped once, the other twice; both would swing for hours.
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "long"]
 fn an_interrupted_run_resumes_to_the_same_history() {
     let folder = tempfile::tempdir().unwrap();
     let changes = [
@@ -562,6 +568,7 @@ thickness = 0.1
 }
 
 #[test]
+#[ignore = "long"]
 fn the_preloaded_plate_vibrates_at_the_frequency_of_its_mode() {
     let (_folder, out) = results_of("preloaded_plate.toml");
     let modes = summary(&out.join("2-modes"));

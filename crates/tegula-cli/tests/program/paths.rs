@@ -33,6 +33,7 @@ fn deflection(out: &Path, point: &str) -> f64 {
 
 /// Bifurcations and limit point of Pi, Bradford and Uy; the branches connect both bifurcations, where the asymmetric shapes begin and end.
 #[test]
+#[ignore = "long"]
 fn branches_of_the_arch_connect_its_bifurcations() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
@@ -118,6 +119,7 @@ fn branches_of_the_arch_connect_its_bifurcations() {
 
 /// The limit point of Pi, Bradford and Uy; the motion under 101 % of its load ends where statics along the path end under this load.
 #[test]
+#[ignore = "long"]
 fn the_arch_snaps_to_the_equilibrium_beyond_its_limit_point() {
     let (folder, out) = results_of("arch_snap.toml");
     let path = rows(&out.join("1-to_the_limit_point"), &["time", "top.uz"]);
@@ -191,6 +193,7 @@ fn statics_of_the_truss_go_on_to_the_full_load() {
 /// Plate under a force along it, pressure, and a temperature that bends it: an imperfect bifurcation near half of the loads, behind which there
 /// are stable shapes on the other side, too. Whatever the first load step and the method, the analysis ends where the path ends.
 #[test]
+#[ignore = "long"]
 fn statics_stay_on_the_path_of_an_imperfect_plate() {
     let folder = tempfile::tempdir().unwrap();
     let end = |name: &str, analysis: &str, force: [f64; 3], pressure: f64, temperature: [f64; 2]| {
@@ -266,6 +269,7 @@ fn statics_stay_on_the_path_of_an_imperfect_plate() {
 /// Strip between hinges with an imperfection of 1 % of its thickness that a natural strain of many times the critical one, π²h²/(12 L²), bends up or
 /// down: static analyses end on the side to which the path bends, although their first steps pass the bifurcation.
 #[test]
+#[ignore = "long"]
 fn strained_strips_bend_to_the_side_of_their_imperfection() {
     let folder = tempfile::tempdir().unwrap();
     let strip = imperfect_strip(1e-4, "hinge", "[[conditions]]\ntype = \"hinge\"\non = \"u_max\"\n");
@@ -331,6 +335,7 @@ fn thrust(times: f64) -> String {
 /// Strip with an imperfection of 1e-5 of its thickness that is bent by 1.3 and 1.6 times the Euler load, and then pulled: its path turns next to the
 /// bifurcation back to the straight shape, in which the same pull on the unloaded strip ends.
 #[test]
+#[ignore = "long"]
 fn a_buckled_strip_straightens_again() {
     let folder = tempfile::tempdir().unwrap();
     let hinge = "[[conditions]]\ntype = \"fix\"\non = \"u_max\"\nposition = [\"y\", \"z\"]\n";
@@ -361,6 +366,7 @@ fn a_buckled_strip_straightens_again() {
 /// Clamped strip with imperfections of 1e-4 and 1e-5 of its thickness, 0.3 % above its buckling load, next to which displacements change much with the load:
 /// power series, the arc-length method and static steps end in one equilibrium.
 #[test]
+#[ignore = "long"]
 fn strips_next_to_their_buckling_load_end_in_one_equilibrium() {
     let folder = tempfile::tempdir().unwrap();
     // The Euler load of a cantilever, less its shear flexibility; G A = 5/12 E A.

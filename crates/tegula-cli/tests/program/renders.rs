@@ -22,6 +22,7 @@ fn size(png: &[u8]) -> [u32; 2] {
 }
 
 #[test]
+#[ignore = "long"]
 fn pictures_show_the_field_and_the_state_that_are_wanted() {
     let folder = tempfile::tempdir().unwrap();
     let result = folder.path().join("tank");

@@ -5,6 +5,7 @@ use std::fs;
 use crate::{errors, example, tegula, text};
 
 #[test]
+#[ignore = "long"]
 fn runs_write_reports_and_so_does_the_command() {
     let folder = tempfile::tempdir().unwrap();
     let result = folder.path().join("modes");

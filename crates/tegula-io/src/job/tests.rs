@@ -95,6 +95,7 @@ fn stop_after(steps: u64) -> StopAfter {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_resumed_run_repeats_the_straight_one_to_the_bit() {
     for scheme in ["newmark", "energy-momentum", "hht", "generalized-alpha", "explicit"] {
         // Drawing takes most of the time; no picture depends on the scheme.
@@ -174,6 +175,7 @@ fn no_point() -> PointResult {
 }
 
 #[test]
+#[ignore = "long"]
 fn pictures_can_be_left_out() {
     let folder = tempfile::tempdir().unwrap();
     let pictures = |text: String| {

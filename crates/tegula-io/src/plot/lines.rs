@@ -379,6 +379,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "long"]
     fn odd_data_give_a_picture_that_says_so() {
         let nan = f64::NAN;
         let cases = [

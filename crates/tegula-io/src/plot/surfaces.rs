@@ -389,6 +389,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "long"]
     fn a_swinging_quarter_cylinder() {
         let plot = pendulum(16, 6);
         assert!(coloured(&plot) > 0.15);
@@ -400,6 +401,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "long"]
     fn labels_and_their_leaders_keep_clear_of_each_other() {
         for (size, instants) in [((1200, 800), 6), ((1200, 800), 12), ((700, 500), 8)] {
             let plot = SurfacePlot { size, ..pendulum(10, instants) };
@@ -416,6 +418,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "long"]
     fn without_values_and_see_through() {
         let mut plot = pendulum(12, 7);
         for snapshot in &mut plot.snapshots {
@@ -427,6 +430,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "long"]
     fn one_fine_snapshot_with_a_value_per_element() {
         let mut plot = pendulum(100, 1);
         plot.snapshots[0].label.clear();

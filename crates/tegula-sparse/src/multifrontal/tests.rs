@@ -35,6 +35,7 @@ fn solve(fronts: &mut Multifrontal, pointers: &[usize], values: &[f64], given: b
 
 /// Covers a definite matrix, and an indefinite one whose pivots need the growth check.
 #[test]
+#[ignore = "long"]
 fn memory_is_spared_without_a_change_of_a_bit() {
     for diagonal in [60.0, 1e-3] {
         let (pointers, rows, values) = grid(36, diagonal);
@@ -68,6 +69,7 @@ fn memory_is_spared_without_a_change_of_a_bit() {
 
 /// Covers the front of the interface in place of the values, on one thread and on several.
 #[test]
+#[ignore = "long"]
 fn schur_complements_do_not_depend_on_the_memory_mode() {
     for diagonal in [60.0, 1e-3] {
         let (pointers, rows, values) = grid(36, diagonal);

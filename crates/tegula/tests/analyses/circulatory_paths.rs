@@ -423,6 +423,7 @@ fn arch_under_pressure(side: f64, free: bool) -> (Vec<(CriticalKind, i32, f64)>,
 /// The free edges give the pressure no potential, but hardly change the critical points of a narrow arch: the bifurcation of the perfect one,
 /// and beside it a limit point of its imperfections, near which the paths of both sides nearly cross.
 #[test]
+#[ignore = "long"]
 fn narrow_arches_under_pressure_do_not_leap_between_paths_that_nearly_cross() {
     for side in [0.0, 1e-5, 1e-4] {
         let [(with, u), (without, v)] = [false, true].map(|free| arch_under_pressure(side, free));

@@ -60,6 +60,7 @@ fn distributed_loads_have_the_resultants_of_their_integrals() {
 
 /// A hill narrower than an element: ∫ exp(−r²/s²) dA = π s², of which a thousandth is lost beside the plate.
 #[test]
+#[ignore = "long"]
 fn distributions_that_vary_within_elements_keep_their_total() {
     let hill = "exp(-((x - 0.93)^2 + (y - 0.47)^2)/0.15^2)";
     let m = loaded(Load::Traction(vector_load("all", [0.0, 0.0, 1.0], hill)));
@@ -139,6 +140,7 @@ fn a_plate_under_hydrostatic_pressure_deflects_as_in_the_table_of_timoshenko() {
 }
 
 #[test]
+#[ignore = "long"]
 fn distributions_without_meaning_are_refused() {
     for (distribution, message) in [
         ("", "is empty"),
@@ -166,6 +168,7 @@ fn distributions_without_meaning_are_refused() {
 }
 
 #[test]
+#[ignore = "long"]
 fn distributions_that_are_zero_on_the_whole_set_are_a_warning() {
     let keys = |distribution: &str| PressureLoad {
         on: "all".into(),

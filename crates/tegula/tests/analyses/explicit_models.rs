@@ -140,6 +140,7 @@ fn damping_of_strain_rates_lowers_the_step() {
 }
 
 #[test]
+#[ignore = "long"]
 fn plastic_layers_dissipate() {
     let mut m = model(plate([1.0, 0.5], [4, 2], 0.2), 1e6, 0.05);
     let law = Plastic {
@@ -170,6 +171,7 @@ fn plastic_layers_dissipate() {
 
 /// A blown-up membrane of rubber under a pressure that follows it.
 #[test]
+#[ignore = "long"]
 fn rubber_under_pressure() {
     let mut m = model(plate([1.0, 1.0], [4, 4], 0.1), 1.0, 0.02);
     let rubber = NeoHookean { shear: 4e5, bulk: 8e6, density: 1e3, form: Default::default() };

@@ -63,6 +63,7 @@ pub fn tumbling(element: ElementKind, laminated: bool) -> Model {
 }
 
 #[test]
+#[ignore = "long"]
 fn every_element_conserves_energy_and_momenta_in_free_flight() {
     for &element in ElementKind::ALL {
         for laminated in [false, true] {
@@ -173,6 +174,7 @@ fn pulsing(m: &mut Model) -> Option<String> {
 
 /// Heat, natural curvature and prestress that change in time do work, which the balance counts.
 #[test]
+#[ignore = "long"]
 fn prescribed_strains_in_time_close_the_energy_balance() {
     for &element in ElementKind::ALL {
         let mut m = soft_plate(element);
@@ -232,6 +234,7 @@ fn yielding(element: ElementKind) -> Model {
 }
 
 #[test]
+#[ignore = "long"]
 fn plastic_work_closes_the_energy_balance_in_time() {
     for element in [ElementKind::Ems, ElementKind::Mitc4, ElementKind::Cm, ElementKind::SolidShell] {
         let m = yielding(element);

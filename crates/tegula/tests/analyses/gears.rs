@@ -110,6 +110,7 @@ fn keeps_energy(scheme: Scheme, notes: &Notes, tolerance: f64) {
 /// On a spring whose free angle is 6.25 turns away, the pinion swings through 12.5 turns and back with `ω² = k/(J₁ + J₂/i²)`, and the
 /// wheel with it at the constant ratio i, which is irrational.
 #[test]
+#[ignore = "long"]
 fn wheels_swing_through_many_turns_at_a_constant_ratio() {
     let free = 6.25 * TAU;
     for radii in [RADII, [-RADII[0], RADII[1]]] {
@@ -207,6 +208,7 @@ fn planetary(end: f64, step: f64) -> (Model, f64, [f64; 3]) {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_sun_of_a_planetary_gear_turns_as_willis_says() {
     for (scheme, order) in schemes() {
         let error = |step: f64| {

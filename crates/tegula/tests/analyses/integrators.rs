@@ -53,6 +53,7 @@ fn energy_drift_of_newmark_falls_with_the_square_of_the_step_through_five_halvin
 /// end of the step; strain-rate damping lags by half a step there and makes them of first order, as documented, like γ
 /// above ½ does with Newmark. The implicit schemes have one limit.
 #[test]
+#[ignore = "long"]
 fn positions_and_velocities_of_large_motions_converge_at_the_order_of_the_scheme() {
     let free = soft_plate();
     let damped = |mass, stiffness| Model { damping: Damping { mass, stiffness }, ..soft_plate() };

@@ -71,6 +71,7 @@ fn folded(n: u32) -> Model {
 }
 
 #[test]
+#[ignore = "long"]
 fn plates_cylinders_and_folds_agree_with_the_direct_solver() {
     for slenderness in [10.0, 100.0, 1000.0] {
         for curved in [false, true] {
@@ -105,6 +106,7 @@ fn prescribed_displacements_and_few_supports_agree_with_the_direct_solver() {
 }
 
 #[test]
+#[ignore = "long"]
 fn all_elements_agree_with_the_direct_solver_in_large_rotations() {
     let mut m = quarter_cylinder(24, 2.1e8);
     m.loads = vec![Load::Force(vector_load("u_max_v_max", [0.0, 0.0, -20.0]))];
@@ -127,6 +129,7 @@ fn all_elements_agree_with_the_direct_solver_in_large_rotations() {
 }
 
 #[test]
+#[ignore = "long"]
 fn irregular_meshes_with_several_sections_and_pressure_agree_with_the_direct_solver() {
     let mesh = irregular(20);
     let mut m = model(plate([1.0, 1.0], [1, 1], 0.0), 2.1e8, 0.01);

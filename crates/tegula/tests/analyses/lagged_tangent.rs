@@ -37,6 +37,7 @@ fn turned(system: &System, u: &[Nodal]) -> f64 {
 }
 
 #[test]
+#[ignore = "long"]
 fn an_old_factor_serves_several_steps_of_a_pendulum() {
     for scheme in [NEWMARK, HHT, ENERGY_MOMENTUM] {
         let (system, lagged, notes) = swing(scheme);
@@ -66,6 +67,7 @@ fn an_old_factor_serves_several_steps_of_a_pendulum() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_run_resumed_with_an_old_tangent_is_the_run_itself() {
     for scheme in [NEWMARK, HHT, ENERGY_MOMENTUM] {
         let (system, straight, notes) = swing(scheme);
@@ -85,6 +87,7 @@ fn a_run_resumed_with_an_old_tangent_is_the_run_itself() {
 /// The coefficients of BDF2 depend on the ratio of two steps: a tangent of a step that was longer than the one before serves later ones of its
 /// length with the coefficients of its own.
 #[test]
+#[ignore = "long"]
 fn a_run_of_automatic_steps_of_two_step_formulas_resumes_as_itself_from_each_step() {
     let scheme = Scheme::Bdf2(Bdf2Scheme {});
     let options = TransientAnalysis { scheme, tolerance: 1e-6, ..TransientAnalysis::new(0.1) };

@@ -104,6 +104,7 @@ fn problem(model: &Model) -> Problem {
 }
 
 #[test]
+#[ignore = "long"]
 fn iterations_grow_neither_with_the_mesh_nor_with_slenderness() {
     for (curved, distortion) in [(false, 0.0), (false, 0.3), (true, 0.0)] {
         for slenderness in [10.0, 100.0, 1000.0] {
@@ -183,6 +184,7 @@ fn too_few_iterations_are_an_error_and_leave_the_right_side() {
 }
 
 #[test]
+#[ignore = "long"]
 fn what_is_accepted_is_positive_definite() {
     let mut p = problem(&edge_loaded_shell(true, 40, 100.0, 0.0));
     let (stiffness, vectors) = (p.values.clone(), p.system.vectors());

@@ -98,6 +98,7 @@ fn a_moment_on_a_patch_bends_a_cantilever_into_a_circle() {
 
 /// A strip whose edge is attached to a body that a joint fixes swings as one whose edge is clamped.
 #[test]
+#[ignore = "long"]
 fn a_patch_on_a_fixed_body_is_a_clamp() {
     for (element, distortion) in ElementKind::ALL.iter().flat_map(|e| [(*e, 0.0), (*e, 0.3)]) {
         let mut m = strip(element, [6, 2], distortion);
@@ -136,6 +137,7 @@ fn a_mass_on_a_patch_is_an_added_mass_where_the_edge_does_not_rotate() {
 
 /// A curved shell between two bodies, both on patches, flies freely: energy and both momenta stay.
 #[test]
+#[ignore = "long"]
 fn a_shell_between_two_bodies_keeps_energy_and_momenta() {
     for element in ElementKind::ALL.iter().copied() {
         let mut m = quarter_cylinder(3, 2.1e6);
@@ -186,6 +188,7 @@ fn a_shell_between_two_bodies_keeps_energy_and_momenta() {
 /// A strip hinged about its normal, along the director: a drilling moment goes through the patch. Stiff enough it swings as the
 /// rigid body of the same mass and inertia, whose period is that of the physical pendulum.
 #[test]
+#[ignore = "long"]
 fn a_stiff_strip_hinged_about_its_normal_swings_as_a_rigid_pendulum() {
     let hinge = |body: &str| {
         Joint::Revolute(
@@ -286,6 +289,7 @@ fn forces_on_attached_nodes_act_on_the_body() {
 
 /// Large displacements under pressure, gravity and a force on the body: the reactions balance the loads.
 #[test]
+#[ignore = "long"]
 fn reactions_balance_the_loads_on_a_patched_shell() {
     for element in ElementKind::ALL.iter().copied() {
         let mut m = strip(element, [4, 2], 0.3);
@@ -535,6 +539,7 @@ fn a_joint_at_an_attached_node_is_a_joint_at_the_body() {
 
 /// Nodes on a fold with two directors take part in a patch.
 #[test]
+#[ignore = "long"]
 fn a_patch_over_a_fold_keeps_energy_and_momenta() {
     for element in ElementKind::ALL.iter().copied() {
         let mesh = MeshSource::Extrusion(ExtrusionMesh {

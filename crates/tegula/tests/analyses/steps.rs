@@ -122,6 +122,7 @@ fn frequency(samples: &[(f64, f64)]) -> f64 {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_preloaded_strip_vibrates_at_the_frequency_of_its_mode() {
     for element in [ElementKind::Ems, ElementKind::Mitc4] {
         let pluck = AnalysisStep {
@@ -230,6 +231,7 @@ fn what_is_fixed_in_a_later_step_stays_where_it_is() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_motion_in_two_steps_is_the_motion_in_one() {
     let gravity = Load::Gravity(GravityLoad { value: [0.0, 0.0, -9.81], amplitude: None });
     for scheme in [

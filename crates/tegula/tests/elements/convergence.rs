@@ -245,6 +245,7 @@ mod membrane {
     }
 
     #[test]
+    #[ignore = "long"]
     fn displacements_and_energy_of_manufactured_membrane_solutions_converge_at_the_rates_of_bilinear_elements()
      {
         // Every membrane part of both kinds of bilinear elements, whose membrane the others share.

@@ -187,6 +187,7 @@ fn scales(e: &Element) -> Vec<f64> {
 }
 
 #[test]
+#[ignore = "long"]
 fn force_is_the_derivative_of_the_energy_and_tangent_that_of_the_force_where_materials_are_linear() {
     for Case { element: e, label, mut random, .. } in all_cases().filter(|c| c.element.linear) {
         let (u, units, polynomial) = (e.displacement(0.1, &mut random), e.units(), e.polynomial());

@@ -128,6 +128,7 @@ fn everything(g: &dyn ElementGroup, k: &GroupPoint, increment: &[Nodal]) -> Vec<
 }
 
 #[test]
+#[ignore = "long"]
 fn both_kernels_agree() {
     let mut random = Random::new(31);
     let mut uneven = Section::new("", 0.0);

@@ -81,6 +81,7 @@ analysis = { type = "transient", end_time = 0.1, time_step = 0.01, scheme = { ty
 const FOLDERS: [&str; 3] = ["1-motion", "2-locked", "3-again"];
 
 #[test]
+#[ignore = "long"]
 fn runs_with_friction_and_stops_are_resumed_to_the_bit() {
     let deck = Deck::parse("machine.toml", MACHINE).unwrap();
     let folder = tempfile::tempdir().unwrap();

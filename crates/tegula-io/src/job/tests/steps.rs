@@ -108,6 +108,7 @@ pub(super) fn files(folder: &Path) -> Vec<PathBuf> {
 }
 
 #[test]
+#[ignore = "long"]
 fn steps_interrupted_anywhere_are_resumed_to_the_bit() {
     let folder = tempfile::tempdir().unwrap();
     let straight = folder.path().join("straight");
