@@ -4,13 +4,15 @@
     tegula verify --statistics FILE
     python3 scripts/check_statistics.py FILE verification/statistics.txt
 
-Steps, iterations, factorisations and cut-backs are the same on every run, whatever the number of threads. Whether an old factor
-serves once more follows from a rate of convergence, which the rounding of another processor with the same vector instructions can
-tip: one factorisation more or less is accepted. Other vector instructions round otherwise: where the processors named in the first lines differ, a count may differ by 2 and 2 %. Those of
-paths, which locate bifurcations down to round-off, may differ by 4, and iterations of modes by a block of 8 vectors. Counts of
-analyses with cut-backs, where rounding may decide about a step, may differ by 8 %, and those with more cut-backs than steps by a
-factor of four: a sheet with wrinkles has taken 386 factorisations on one processor and 642 on another, and four turned copies of
-one sheet 234 to 655 on one processor. The exit code is 1 if anything else differs. To accept a new state:
+Steps, iterations, factorisations and cut-backs are the same on every run, whatever the number of threads. Whether an
+old factor serves once more follows from a rate of convergence, which the rounding of another processor with the same
+vector instructions can tip: one factorisation more or less is accepted. Other vector instructions round otherwise:
+where the processors named in the first lines differ, a count may differ by 2 and 2 %. Those of paths, which locate
+bifurcations down to round-off, may differ by 4, and iterations of modes by a block of 8 vectors. Counts of analyses
+with cut-backs, where rounding may decide about a step, may differ by 8 %, and those with more cut-backs than steps by
+a factor of four: a sheet with wrinkles has taken 386 factorisations on one processor and 642 on another, and four
+turned copies of one sheet 234 to 655 on one processor. The exit code is 1 if anything else differs. To accept a new
+state:
 
     tegula verify --statistics verification/statistics.txt
 """
