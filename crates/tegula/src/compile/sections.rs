@@ -165,6 +165,39 @@ fn geometry(quad: u32, mesh: &Mesh, directors: &Directors) -> ShellGeometry {
     )
 }
 
+/// Numbers of the nodal vectors of an element: positions, directors, and gradients where it has some.
+fn connectivity(
+    element: &dyn ShellElement,
+    nodes: [u32; 4],
+    corners: [u32; 4],
+    vectors: &Vectors,
+) -> Vec<u32> {
+    let mut out = nodes.map(|n| vectors.coordinates.position_of[n as usize]).to_vec();
+    out.extend(corners.map(|d| vectors.of_director[d as usize]));
+    if element.nodal_vectors().contains(&VectorKind::Gradient) {
+        for second in 0..2 {
+            out.extend(corners.map(|d| vectors.gradient_of[d as usize] + second));
+        }
+    }
+    out
+}
+
+/// Unit vectors along the directions from which a section and the prescribed strains count angles.
+fn directions<'a>(
+    section: &CompiledSection,
+    prescribed: impl Iterator<Item = &'a PrescribedStrain>,
+) -> Vec<Vec3> {
+    let own = (!section.isotropic).then_some(section.direction);
+    let of_strains = prescribed.filter_map(|p| p.direction()).map(Vec3::from);
+    own.into_iter().chain(of_strains).map(|d| d.normalize()).collect()
+}
+
+fn invalid(element: u64, centre: &Vec3, reason: &str) -> Issue {
+    let [x, y, z] = [centre.x, centre.y, centre.z];
+    let what = format!("element {element} at ({x:.4}, {y:.4}, {z:.4}) is invalid: {reason}");
+    Issue::new("mesh", what, "repair the mesh there")
+}
+
 /// Area over which an element has its mass: that of the middle surface of its layers.
 fn area_of_mass(element: &dyn ShellElement, g: &ShellGeometry) -> f64 {
     let mass = element.mass(g, &SectionInertia { mass: 1.0, rotary: 0.0, coupling: 0.0 });
@@ -372,18 +405,18 @@ impl Elements {
         (mesh, directors, vectors): (&Mesh, &Directors, &Vectors),
         issues: &mut Vec<Issue>,
     ) {
-        let geometry = |q: u32| geometry(q, mesh, directors);
         if let Some(total) = section.total_mass {
-            thicknesses.set_mass(total, quads.iter().map(|&q| geometry(q)));
+            thicknesses.set_mass(total, quads.iter().map(|&q| geometry(q, mesh, directors)));
         }
         let Thicknesses { sections, of_quad, .. } = thicknesses;
         let Some(ShellSection { section: compiled, element, .. }) = sections.first() else { return };
         let first_section = self.sections.len();
         let acts = fields.iter().any(|f| quads.iter().any(|q| f.contains_key(q)));
+        let fields = if acts { fields } else { &[] };
         let mut builder = element.builder(GroupSetup {
             retardation_time: section.retardation_time + model.damping.stiffness,
             laws: compiled.laws.clone(),
-            fields: if acts { fields.len() } else { 0 },
+            fields: fields.len(),
             reference_kernel: false,
         });
         let first_group = self.groups.len();
@@ -391,30 +424,14 @@ impl Elements {
         // The tangents of gradients depend on the global axes, so rotated elements are not congruent.
         let turns = !element.nodal_vectors().contains(&VectorKind::Gradient);
         let mut shapes = (turns && compiled.is_linear()).then(Congruence::default);
-        let own = (!compiled.isotropic).then_some(compiled.direction);
-        let prescribed = model.prescribed_strains.iter().filter(|_| acts);
-        let directions: Vec<Vec3> = own
-            .into_iter()
-            .chain(prescribed.filter_map(|p| p.direction()).map(Vec3::from))
-            .map(|d| d.normalize())
-            .collect();
+        let directions = directions(compiled, model.prescribed_strains.iter().filter(|_| acts));
         for (&q, &thickness) in quads.iter().zip(&of_quad) {
             let ShellSection { section: compiled, element, .. } = &sections[thickness];
-            let g = geometry(q);
+            let g = geometry(q, mesh, directors);
             let corners = directors.corners[q as usize];
-            let mut connectivity: Vec<u32> =
-                mesh.quads[q as usize].iter().map(|&n| vectors.coordinates.position_of[n as usize]).collect();
-            connectivity.extend(corners.map(|d| vectors.of_director[d as usize]));
-            if element.nodal_vectors().contains(&VectorKind::Gradient) {
-                for second in 0..2 {
-                    connectivity.extend(corners.map(|d| vectors.gradient_of[d as usize] + second));
-                }
-            }
-            let mut acting: Vec<f64> = if acts {
-                fields.iter().map(|field| field.get(&q).copied().unwrap_or(0.0)).collect()
-            } else {
-                Vec::new()
-            };
+            let connectivity = connectivity(element.as_ref(), mesh.quads[q as usize], corners, vectors);
+            let mut acting: Vec<f64> =
+                fields.iter().map(|field| field.get(&q).copied().unwrap_or(0.0)).collect();
             let prescribed = acting_strains(model.prescribed_strains.iter(), &acting);
             let prescribed: Vec<_> = prescribed.iter().map(Option::as_deref).collect();
             acting.push(compiled.thickness);
@@ -425,45 +442,23 @@ impl Elements {
             let result = if shared {
                 Ok(())
             } else {
-                compiled.integration_points(element.as_ref(), &g, &prescribed).and_then(
-                    |integration_points| {
-                        let mass = element.mass(&g, &compiled.inertia);
-                        builder.push(Member {
-                            vectors: &connectivity,
-                            geometry: &g,
-                            integration_points,
-                            mass,
-                        })
-                    },
-                )
+                let points = compiled.integration_points(element.as_ref(), &g, &prescribed);
+                let mass = element.mass(&g, &compiled.inertia);
+                points.and_then(|integration_points| {
+                    builder.push(Member { vectors: &connectivity, geometry: &g, integration_points, mass })
+                })
             };
             if let Err(reason) = result {
-                let c = g.centre();
-                issues.push(Issue::new(
-                    "mesh",
-                    format!(
-                        "element {} at ({:.4}, {:.4}, {:.4}) is invalid: {reason}",
-                        mesh.quad_label(q as usize),
-                        c.x,
-                        c.y,
-                        c.z
-                    ),
-                    "repair the mesh there",
-                ));
+                issues.push(invalid(mesh.quad_label(q as usize), &g.centre(), &reason));
                 continue;
             }
             // Only now has the element its number.
             if let (Some(shapes), Match::New(new)) = (&mut shapes, found) {
                 shapes.register(new, members);
             }
-            for (d, area) in corners.into_iter().zip(crate::element::geometry::nodal_areas(&g.positions)) {
-                if let Some(sheet) = self.sheets.get_mut(d as usize) {
-                    sheet.bending = sheet.bending.max(compiled.bending());
-                    sheet.area += area;
-                }
-                if element.unit_directors() {
-                    self.unit.insert(vectors.of_director[d as usize]);
-                }
+            self.note_sheets(corners, &g, compiled);
+            if element.unit_directors() {
+                self.unit.extend(corners.map(|d| vectors.of_director[d as usize]));
             }
             self.list.push(Shell {
                 quad: q,
@@ -476,12 +471,20 @@ impl Elements {
             members += 1;
         }
         self.groups.extend(builder.finish());
-        let last_group = self.groups.len();
+        let groups = first_group..self.groups.len();
         let new = self.list.len() - members;
-        for shell in &mut self.list[new..] {
-            shell.groups = first_group..last_group;
-        }
+        self.list[new..].iter_mut().for_each(|shell| shell.groups = groups.clone());
         self.sections.extend(sections);
+    }
+
+    /// Adds an element to the sheets of its directors.
+    fn note_sheets(&mut self, corners: [u32; 4], g: &ShellGeometry, section: &CompiledSection) {
+        for (d, area) in corners.into_iter().zip(crate::element::geometry::nodal_areas(&g.positions)) {
+            if let Some(sheet) = self.sheets.get_mut(d as usize) {
+                sheet.bending = sheet.bending.max(section.bending());
+                sheet.area += area;
+            }
+        }
     }
 
     /// Adds the director-angle constraints of folds and junctions, `stiffness` times as stiff as one row of elements

@@ -52,18 +52,39 @@ pub(super) fn is_round_off(system: &System, (state, dt): (&State, f64), error: f
     error <= energy_of_round_off(system, dt) || error <= work_of_round_off(system, state)
 }
 
+/// Largest energy that the state at the start and the loads can have supplied to a motion so far.
+pub(super) struct SuppliedEnergy {
+    /// Kinetic and strain energy, and potential, at the start.
+    stored: f64,
+    potential: f64,
+    largest: f64,
+}
+
+impl SuppliedEnergy {
+    /// Energy of the state at the start.
+    pub fn new(start: &Balance) -> Self {
+        let stored = start.kinetic + start.strain;
+        Self { stored, potential: start.potential, largest: stored }
+    }
+
+    /// Energy of the state at the start and of the loads up to a later state.
+    pub fn up_to(&mut self, balance: &Balance) -> f64 {
+        let loads = balance.work.abs() + (balance.potential - self.potential).abs();
+        self.largest = larger(self.largest, self.stored + loads);
+        self.largest
+    }
+}
+
 /// Reports that a motion gains energy, each time that the gain has grown.
 pub(super) struct EnergyWatch {
     /// Lowest sum that an exact integration keeps constant, so far.
     lowest: f64,
     /// Gain that triggers the next report.
     next: f64,
-    /// Kinetic and strain energy, potential, and their sum with work and dissipation at the start.
-    start: [f64; 3],
-    /// Largest energy that the state at the start and the loads can have supplied so far.
-    supplied: f64,
-    /// Largest gain since the start, in the first steps and in all of them.
-    first: f64,
+    /// Sum that an exact integration keeps constant, at the start.
+    total: f64,
+    supplied: SuppliedEnergy,
+    /// Largest gain since the start.
     largest: f64,
     /// Whether drives or prescribed motions do work, which is known to the error of the reactions only.
     led: bool,
@@ -72,15 +93,13 @@ pub(super) struct EnergyWatch {
 impl EnergyWatch {
     /// Watch without any report yet, from the energies at the start.
     pub fn new(system: &System, balance: &Balance) -> Self {
-        let stored = balance.kinetic + balance.strain;
         let driven = system.joints.iter().any(|joint| joint.drive.is_some());
         Self {
             led: driven || !system.dofs().prescribed.is_empty(),
             lowest: f64::INFINITY,
             next: FIRST,
-            start: [stored, balance.potential, balance.total],
-            supplied: stored,
-            first: 0.0,
+            total: balance.total,
+            supplied: SuppliedEnergy::new(balance),
             largest: 0.0,
         }
     }
@@ -94,24 +113,18 @@ impl EnergyWatch {
         (step, Span { end: time, dt }, last): (u64, Span, bool),
         observer: &mut dyn Observer,
     ) {
-        let [stored, potential, total] = self.start;
-        self.supplied =
-            larger(self.supplied, stored + balance.work.abs() + (balance.potential - potential).abs());
+        let supplied = self.supplied.up_to(balance);
         self.lowest = self.lowest.min(balance.total);
-        let since_start = balance.total - total;
+        let since_start = balance.total - self.total;
         if !self.led && since_start > energy_of_round_off(system, dt) {
             self.largest = larger(self.largest, since_start);
         }
-        if step <= FIRST_STEPS {
-            self.first = self.largest;
-        }
-        if (step == FIRST_STEPS || last && step < FIRST_STEPS) && self.first > GAINED_AT_FIRST * self.supplied
-        {
+        if (step == FIRST_STEPS || last && step < FIRST_STEPS) && self.largest > GAINED_AT_FIRST * supplied {
             observer.on_warning(&format!(
                 "time {time:.6e}: in the first steps the motion has gained an energy of {:.3e}, where loads and initial state supply {:.3e}: \
                  vibrations much faster than the steps, such as those of the thickness behind sudden loads or temperatures, overshoot, and \
                  energies and stresses are wrong there; take the scheme \"energy-momentum\", shorter steps, or loads that grow from 0",
-                self.first, self.supplied
+                self.largest, supplied
             ));
         }
         let scale = larger(scale, larger(balance.kinetic, balance.strain));
@@ -132,11 +145,11 @@ impl EnergyWatch {
 
     /// Advice for a motion that ends in a failure, where it had gained energy before.
     pub fn advice(&self) -> Option<String> {
-        (self.largest > GAINED_AT_FIRST * self.supplied).then(|| {
+        (self.largest > GAINED_AT_FIRST * self.supplied.largest).then(|| {
             format!(
                 "Before, the motion had gained an energy of {:.3e}, where loads and initial state supply {:.3e}: vibrations much faster than \
                  the steps have grown. Take the scheme \"energy-momentum\", shorter steps, or loads and temperatures that grow from 0.",
-                self.largest, self.supplied
+                self.largest, self.supplied.largest
             )
         })
     }

@@ -2,7 +2,7 @@
 
 use super::amplitude_check::AmplitudeCheck;
 use super::critical_step::CriticalStep;
-use super::energy_watch::is_round_off;
+use super::energy_watch::{SuppliedEnergy, is_round_off};
 use super::explicit::Explicit;
 use super::explicit_start::{self, Messages};
 use super::fibre_watch::FibreWatch;
@@ -34,8 +34,8 @@ const REPORT: u64 = 10;
 /// Linear motions keep the balance to round-off, resolved nonlinear ones to well below a hundredth. Damping forces lag
 /// by half a step, which costs a part of what they dissipate.
 const BROKEN: f64 = 0.05;
-/// Ratio of the strain energy and the kinetic energy in the middle of the step to the energy supplied above which a motion is unstable. At the safety factor the
-/// energy of the highest mode varies five-fold in a stable motion.
+/// Ratio of the strain energy and the kinetic energy in the middle of the step to the energy supplied above which a motion is
+/// unstable. At the safety factor the energy of the highest mode varies five-fold in a stable motion.
 const BLOW_UP: f64 = 100.0;
 
 /// Rotation of a body in a step (rad), and the one at which the step is chosen anew. Bodies without springs have no critical step: the
@@ -56,11 +56,9 @@ const UNSEEN: f64 = 1e-9;
 
 /// Energy-balance monitor: reference energies for those of a motion.
 struct EnergyMonitor {
-    /// Total energy (`total`), and kinetic and strain energy (`first`), at time 0.
+    /// Total energy at time 0.
     total: f64,
-    first: f64,
-    /// Largest energy that the initial state and the loads can have supplied to the motion.
-    given: f64,
+    supplied: SuppliedEnergy,
     /// Energy of a negligible motion: loads that begin like a Gaussian pulse grow by powers of ten in a step, and no
     /// ratio of energies means anything then.
     unseen: f64,
@@ -77,7 +75,7 @@ impl EnergyMonitor {
     ) -> (f64, Option<String>) {
         // The forces of this step have not moved anything yet: a motion that begins with it has no velocity in its middle.
         let stored = system.kinetic_energy(scheme.middle()) + balance.strain;
-        self.given = self.given.max(self.first + balance.work.abs() + balance.potential.abs());
+        let supplied = self.supplied.up_to(balance);
         let missing = balance.total - state.swing - self.total;
         let scale = state.energy_scale.max(self.unseen);
         let mut error = if missing == 0.0 { 0.0 } else { missing.abs() / scale };
@@ -87,11 +85,10 @@ impl EnergyMonitor {
         let place = || scheme.fastest(state);
         let reason = if !stored.is_finite() || !error.is_finite() {
             Some(format!("the energy is no longer finite, first at {}", place()))
-        } else if stored > BLOW_UP * self.given.max(self.unseen) {
+        } else if stored > BLOW_UP * supplied.max(self.unseen) {
             Some(format!(
-                "numerical instability: the kinetic and strain energy {stored:.2e} is far above the {:.2e} supplied by \
+                "numerical instability: the kinetic and strain energy {stored:.2e} is far above the {supplied:.2e} supplied by \
                  loads and initial motion; {} has the largest kinetic energy",
-                self.given,
                 place()
             ))
         } else if error > 0.0 && missing.abs() > BROKEN * (scale + state.dissipated) {
@@ -161,12 +158,10 @@ impl<'a> ExplicitSteps<'a> {
         if state.tangent.valid {
             fibres.take(system, &state.tangent.u);
         }
-        let energy = at_first.kinetic + at_first.strain;
         let slow = UNSEEN * system.length / options.end_time;
         let monitor = EnergyMonitor {
             total: at_first.total,
-            first: energy,
-            given: energy + at_first.potential.abs(),
+            supplied: SuppliedEnergy::new(&at_first),
             unseen: 0.5 * system.total_mass() * slow * slow,
         };
         Ok(Self {

@@ -142,6 +142,35 @@ pub(super) fn modes(
         problem.newton.assembly.frames.components(&mode.shape, &mut free);
         basis.add(problem, &spin, free.clone());
     }
+    let found = iterate(problem, basis, &spin, (wanted, scale), observer)?;
+    let modes: Vec<Mode> = found.iter().map(|mode| whirl(problem, &spin, mode, scale)).collect();
+    let grows = |mode: &&Mode| mode.whirl.as_ref().is_some_and(|whirl| whirl.growth > 0.0);
+    if let Some(unstable) = modes.iter().find(grows) {
+        observer.on_warning(&format!(
+            "the model that turns at {} is unstable: a motion of the circular frequency {} grows, see `growth` in the table of modes",
+            spin.omega, unstable.omega
+        ));
+    }
+    let statistics = Statistics {
+        steps: wanted as u64,
+        iterations: problem.applications,
+        factorizations: problem.newton.solver.factorizations() as u64,
+        ..Statistics::default()
+    };
+    Ok(ModalOutcome { modes, statistics, sturm_checked: false })
+}
+
+/// Enlarges the basis by the residuals of its lowest eigenvectors until these are found; `scale` is a circular frequency of their size.
+///
+/// # Errors
+/// The residuals stay, or the user interrupts.
+fn iterate(
+    problem: &mut Problem,
+    mut basis: Basis,
+    spin: &Spin,
+    (wanted, scale): (usize, f64),
+    observer: &mut dyn Observer,
+) -> Result<Vec<Found>> {
     let mut found = Vec::new();
     let (mut least, mut stagnates) = (f64::INFINITY, 0);
     for _ in 0..MOST_ROUNDS {
@@ -160,12 +189,12 @@ pub(super) fn modes(
         if basis.vectors.len() > MOST_VECTORS * wanted {
             basis = Basis::new();
             for vector in found.iter().flat_map(|mode| &mode.vector) {
-                basis.add(problem, &spin, vector.clone());
+                basis.add(problem, spin, vector.clone());
             }
         }
         let before = basis.vectors.len();
         for vector in residuals.into_iter().flatten() {
-            basis.add(problem, &spin, vector);
+            basis.add(problem, spin, vector);
         }
         let worst = found.iter().map(|mode| mode.residual).fold(0.0, larger);
         stagnates = if worst < 0.5 * least { 0 } else { stagnates + 1 };
@@ -185,21 +214,7 @@ pub(super) fn modes(
                 .into(),
         });
     }
-    let modes: Vec<Mode> = found.iter().map(|mode| whirl(problem, &spin, mode, scale)).collect();
-    let grows = |mode: &&Mode| mode.whirl.as_ref().is_some_and(|whirl| whirl.growth > 0.0);
-    if let Some(unstable) = modes.iter().find(grows) {
-        observer.on_warning(&format!(
-            "the model that turns at {} is unstable: a motion of the circular frequency {} grows, see `growth` in the table of modes",
-            spin.omega, unstable.omega
-        ));
-    }
-    let statistics = Statistics {
-        steps: wanted as u64,
-        iterations: problem.applications,
-        factorizations: problem.newton.solver.factorizations() as u64,
-        ..Statistics::default()
-    };
-    Ok(ModalOutcome { modes, statistics, sturm_checked: false })
+    Ok(found)
 }
 
 /// Observer of the modes without Coriolis forces, whose number is not the one that is wanted.
