@@ -184,7 +184,7 @@ fn a_step_above_the_critical_one_is_an_error_with_a_remedy() {
         let Error::Unstable { at, reason, help } = &error else { panic!("{error:?}") };
         assert!(at.contains("time") && at.contains("step") && reason.contains("node"), "{text}");
         assert!(reason.contains("energy") && help.contains("Leave out `time_step`"), "{text}");
-        assert!(notes.events.iter().any(|e| e.contains("certainly stable")), "{:?}", notes.events);
+        assert!(notes.warnings.iter().any(|w| w.contains("certainly stable")), "{:?}", notes.events);
     }
 }
 

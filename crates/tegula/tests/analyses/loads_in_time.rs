@@ -93,7 +93,7 @@ fn a_scheme_that_gains_energy_behind_sudden_heat_warns() {
         let largest = max_norm(notes.totals.iter().map(|t| t.1));
         assert!(largest > 3.0 * notes.totals[0].1, "{scheme:?}: {largest}");
         let told =
-            notes.events.iter().any(|event| event.contains("in the first steps the motion has gained"));
+            notes.warnings.iter().any(|warning| warning.contains("in the first steps the motion has gained"));
         assert!(told, "{scheme:?}: {:?}", notes.events);
     }
     let mut notes = Notes::default();

@@ -349,8 +349,10 @@ pub fn loaded_quarter_cylinder(n: u32, element: ElementKind) -> System {
 /// An observer that keeps what it is told.
 #[derive(Default)]
 pub struct Notes {
-    /// Events in words.
+    /// Events and warnings in words.
     pub events: Vec<String>,
+    /// Warnings in words.
+    pub warnings: Vec<String>,
     /// Time and total energy after each step.
     pub totals: Vec<(f64, f64)>,
     /// Largest kinetic energy.
@@ -393,6 +395,11 @@ impl Observer for Notes {
 
     fn on_event(&mut self, message: &str) {
         self.events.push(message.to_string());
+    }
+
+    fn on_warning(&mut self, message: &str) {
+        self.warnings.push(message.to_string());
+        self.on_event(message);
     }
 }
 

@@ -15,8 +15,11 @@ use tegula_sparse::norm::larger;
 const FIRST: f64 = 0.05;
 const GROWTH: f64 = 2.0;
 
-/// Number of first steps that are not judged: from rest, the error is as large as the energy.
+/// Number of first steps that are judged together: from rest, the error of one is as large as the energy.
 const FIRST_STEPS: u64 = 20;
+
+/// Gain in all the first steps together, over the energy that was supplied in them, that is reported.
+const REPORTED_AT_FIRST: f64 = 0.1;
 
 /// Change of the total energy in a step, over the largest energy so far, above which the step has lost its way; and the gain of a
 /// scheme that does not conserve it.
@@ -119,7 +122,8 @@ impl EnergyWatch {
         if !self.led && since_start > energy_of_round_off(system, dt) {
             self.largest = larger(self.largest, since_start);
         }
-        if (step == FIRST_STEPS || last && step < FIRST_STEPS) && self.largest > GAINED_AT_FIRST * supplied {
+        if (step == FIRST_STEPS || last && step < FIRST_STEPS) && self.largest > REPORTED_AT_FIRST * supplied
+        {
             observer.on_warning(&format!(
                 "time {time:.6e}: in the first steps the motion has gained an energy of {:.3e}, where loads and initial state supply {:.3e}: \
                  vibrations much faster than the steps, such as those of the thickness behind sudden loads or temperatures, overshoot, and \

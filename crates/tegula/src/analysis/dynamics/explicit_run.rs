@@ -218,8 +218,9 @@ impl<'a> ExplicitSteps<'a> {
         }
         if let Some(wanted) = options.time_step.filter(|&wanted| wanted > step && !self.warned) {
             self.warned = true;
-            observer.on_event(&format!(
-                "time {:.6e}: the step {wanted:.3e} is above {step:.3e}, below which it is certainly stable",
+            observer.on_warning(&format!(
+                "time {:.6e}: the step {wanted:.3e} is above {step:.3e}, below which it is certainly stable: the motion may grow without \
+                 bound, and a short run ends before that is noticed; leave out time_step",
                 state.time
             ));
         }
