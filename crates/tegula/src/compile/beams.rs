@@ -60,6 +60,14 @@ fn section_values(data: &Beam, model: &Model, key: &str, c: &mut Checker) {
                 );
             }
         }
+        BeamSection::Box(section) => {
+            section.size.iter().for_each(|x| c.positive(&place, "a side of the section", *x));
+            c.positive(&place, "the thickness of the walls", section.thickness);
+            if !(2.0 * section.thickness < section.size[0].min(section.size[1])) {
+                let message = "the walls fill the section: twice their thickness is not below the smaller side";
+                c.add(place.as_str(), message, "give a smaller `thickness`, or a `rectangle`");
+            }
+        }
         BeamSection::Constants(s) => {
             if data.material.is_some() {
                 let message = format!("beam \"{}\" has section constants and a material", data.name);

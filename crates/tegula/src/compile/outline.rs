@@ -133,6 +133,14 @@ impl Drawing<'_> {
                 };
                 self.out.tube(&rings(section.radius), &hole(section.inner_radius, rings), [part, 0]);
             }
+            Some(BeamSection::Box(section)) => {
+                let rings = |[a, b]: [f64; 2]| -> Vec<_> {
+                    nodes.iter().map(|node| ring(node, &mut rectangle(a, b).into_iter())).collect()
+                };
+                let outer = section.size.map(|side| 0.5 * side);
+                let inner = outer.map(|half| half - section.thickness);
+                self.out.tube(&rings(outer), &rings(inner), [part, 0]);
+            }
             Some(BeamSection::Constants(_)) | None => {
                 for (element, pair) in nodes.windows(2).enumerate() {
                     let ends = [Attachment::vector(pair[0].centre), Attachment::vector(pair[1].centre)];

@@ -77,6 +77,8 @@ pub enum BeamSection {
     Rectangle(RectangularSection),
     /// Circle, or ring with an inner radius.
     Circle(CircularSection),
+    /// Rectangular hollow section with walls of one thickness (box).
+    Box(BoxSection),
     /// Section constants.
     Constants(SectionConstants),
 }
@@ -87,6 +89,16 @@ pub enum BeamSection {
 pub struct RectangularSection {
     /// Sides along the axes 1 and 2 (length).
     pub size: [f64; 2],
+}
+
+/// Rectangular hollow section with thin walls.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BoxSection {
+    /// Outer sides along the axes 1 and 2 (length).
+    pub size: [f64; 2],
+    /// Thickness of the walls (length).
+    pub thickness: f64,
 }
 
 /// Circular cross-section.

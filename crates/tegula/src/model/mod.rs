@@ -44,7 +44,7 @@ pub use crate::material::{
 };
 pub use analysis::*;
 pub use arrays_mesh::*;
-pub use beam::{Beam, BeamSection, CircularSection, RectangularSection, SectionConstants};
+pub use beam::{Beam, BeamSection, BoxSection, CircularSection, RectangularSection, SectionConstants};
 pub use body::*;
 pub use buckling::{BucklingAnalysis, FactorSigns};
 pub use bushing::Bushing;

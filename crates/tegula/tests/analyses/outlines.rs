@@ -139,14 +139,18 @@ fn beams_have_the_faces_of_their_sections() {
         material: Some("steel".into()),
         ..Beam::straight(name, [[0.0, y, 0.0], [2.0, y, 0.0]], 5, [0.0, 1.0, 0.0], section)
     };
-    model.beams = vec![beam("flat", 0.0, section), beam("round", 4.0, ring)];
+    let hollow = BeamSection::Box(BoxSection { size: [0.2, 0.4], thickness: 0.05 });
+    model.beams = vec![beam("flat", 0.0, section), beam("round", 4.0, ring), beam("hollow", 8.0, hollow)];
     model.materials.insert("steel".into(), Material::Isotropic(steel));
     let system = system(&model);
     let (outline, points) = (&system.outline, reference(&system));
     let ([outer, around], [inner, around_hole]) = (polygon(0.3), polygon(0.2));
-    for (part, expected) in
-        [(0, 2.0 * 0.1 * 0.2 + 2.0 * 2.0 * 0.3), (1, 2.0 * (outer - inner) + 2.0 * (around + around_hole))]
-    {
+    let of_box = 2.0 * (0.2 * 0.4 - 0.1 * 0.3) + 2.0 * (2.0 * 0.6 + 2.0 * 0.4);
+    for (part, expected) in [
+        (0, 2.0 * 0.1 * 0.2 + 2.0 * 2.0 * 0.3),
+        (1, 2.0 * (outer - inner) + 2.0 * (around + around_hole)),
+        (2, of_box),
+    ] {
         let (area, open) = area_and_open_sides(outline, &points, part);
         assert!((area - expected).abs() < 1e-12 && open == 0, "{part}: {area} {expected} {open}");
     }
