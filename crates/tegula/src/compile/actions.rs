@@ -68,8 +68,13 @@ fn constraints(condition: &Condition, node: &SupportedNode) -> Constraints {
     out
 }
 
-/// Supports that contradict one another: an issue for each pair of conditions, with the first component and node.
-pub(super) fn contradictions(conflicts: &[Conflict], vectors: &Vectors, mesh: &Mesh) -> Vec<Issue> {
+/// Supports of a step that contradict one another: an issue for each pair of conditions, with the first component and node.
+pub(super) fn contradictions(
+    step: &StepModel,
+    conflicts: &[Conflict],
+    vectors: &Vectors,
+    mesh: &Mesh,
+) -> Vec<Issue> {
     let mut pairs: BTreeMap<[String; 2], Vec<&Conflict>> = BTreeMap::new();
     for conflict in conflicts {
         pairs.entry(conflict.keys.clone()).or_default().push(conflict);
@@ -100,8 +105,9 @@ pub(super) fn contradictions(conflicts: &[Conflict], vectors: &Vectors, mesh: &M
         Some(Issue::new(
             second,
             format!(
-                "it prescribes the {component} component of the {kind} of node {}, which {first} supports differently{more}",
-                mesh.node_label(node)
+                "it prescribes the {component} component of the {kind} of node {}, which {} supports differently{more}",
+                mesh.node_label(node),
+                step.key(&first)
             ),
             "take the shared nodes out of one of the two sets, or drop one condition",
         ))

@@ -50,6 +50,7 @@ pub fn imperfect_mesh(model: &Model, mesh: &Mesh, observer: &mut dyn Observer) -
         None => Vec::new(),
     };
     for (i, imperfection) in model.imperfections.iter().enumerate() {
+        let before = displaced.clone();
         match imperfection {
             Imperfection::Mode(ModeImperfection { mode, amplitude }) => {
                 let Some(shape) = modes.get(*mode as usize - 1) else {
@@ -78,9 +79,45 @@ pub fn imperfect_mesh(model: &Model, mesh: &Mesh, observer: &mut dyn Observer) -
                 add(&mut displaced, &of_file(mesh, keys, &format!("imperfections[{i}].file"))?, keys.factor);
             }
         }
+        if let Some(reason) = without_effect(mesh, imperfection, [&before, &displaced]) {
+            observer.on_warning(&format!("imperfections[{i}]: {reason}"));
+        }
     }
     Ok(Some(moved(mesh, &displaced)))
 }
+
+/// Reason why an imperfection, which changes the displacements of the nodes from the first ones to the second ones, has not the effect that it is most
+/// likely meant to have, as text.
+fn without_effect(
+    mesh: &Mesh,
+    imperfection: &Imperfection,
+    [before, behind]: [&[Vec3]; 2],
+) -> Option<String> {
+    let used = mesh.quads.iter().flatten().map(|&node| node as usize);
+    let moved = |node: usize| behind[node] - before[node];
+    let first = mesh.quads.first().map(|quad| moved(quad[0] as usize))?;
+    let size = used.clone().map(|node| moved(node).norm()).fold(0.0, larger);
+    if size == 0.0 {
+        return Some("it moves no node: its amplitude is 0, or its wave is 0 everywhere".into());
+    }
+    if used.map(|node| (moved(node) - first).norm()).fold(0.0, larger) <= SAME * size {
+        return Some("it moves all nodes alike, and leaves the shape as it is: look at its direction".into());
+    }
+    let Imperfection::Random(RandomImperfection { correlation_length, .. }) = imperfection else { return None };
+    let edges = mesh.quads.iter().flat_map(|quad| (0..4).map(|i| [quad[i], quad[(i + 1) % 4]]));
+    let length = |[a, b]: [u32; 2]| (mesh.positions[a as usize] - mesh.positions[b as usize]).norm();
+    let (sum, count) = edges.map(length).fold((0.0, 0.0), |(sum, count), l| (sum + l, count + 1.0));
+    let mean: f64 = sum / count;
+    (*correlation_length < mean).then(|| {
+        format!(
+            "its correlation length {correlation_length} is shorter than the edges of the elements, {mean:.3e} on the average: nodes move \
+             independently of each other"
+        )
+    })
+}
+
+/// Difference of the displacements of two nodes over them that is round-off.
+const SAME: f64 = 1e-9;
 
 /// Mistakes in the values of imperfections.
 pub(super) fn keys(model: &Model, c: &mut Checker) {

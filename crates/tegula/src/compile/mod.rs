@@ -29,6 +29,7 @@ mod mesh_sets;
 mod outline;
 mod patches;
 mod pattern;
+mod perturbation_steps;
 mod place;
 mod procedure;
 mod relief;
@@ -404,7 +405,7 @@ impl<'a> Compiler<'a> {
                 Some((supports, frames, relief))
             }
             Err(conflicts) => {
-                issues.extend(contradictions(&conflicts, vectors, self.mesh));
+                issues.extend(contradictions(step, &conflicts, vectors, self.mesh));
                 None
             }
         }

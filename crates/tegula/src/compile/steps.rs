@@ -1,5 +1,6 @@
 //! Analysis steps of a model: each as a model with one analysis, and how its loads continue those of the step before.
 
+use super::perturbation_steps::{about_the_end, beside_held_loads};
 use super::step_joints;
 use crate::Issue;
 use crate::checker::Checker;
@@ -33,9 +34,9 @@ pub struct StepModel {
     /// Continuation of the loads that a caller adds to all steps.
     pub(super) of_caller: Continued,
     /// Keys of the model file in place of those of `model`.
-    keys: Vec<(String, String)>,
+    pub(super) keys: Vec<(String, String)>,
     /// Key of the step in the model file; `None` for the one analysis of a model without steps.
-    place: Option<String>,
+    pub(super) place: Option<String>,
 }
 
 /// Continuation of a load from the step before.
@@ -220,72 +221,8 @@ fn base(model: &Model, number: usize) -> Option<usize> {
     (0..number).rev().find(|&i| !stays(&model.steps[i].analysis))
 }
 
-/// Buckling step, from that of its base state: the loads and prescribed strains of the base state stay as they are, and those of the step
-/// itself are new.
-fn beside_held_loads(
-    base: StepModel,
-    (step, number): (&AnalysisStep, usize),
-    before: &StepModel,
-    all: &[PrescribedStrain],
-) -> StepModel {
-    let mut out = base;
-    let mut own_keys = |list: &str, first: usize, own: usize| {
-        let key = |i: usize| (format!("{list}[{}]", first + i), format!("steps[{number}].{list}[{i}]"));
-        out.keys.extend((0..own).map(key));
-    };
-    own_keys("conditions", before.model.conditions.len(), step.conditions.len());
-    own_keys("loads", before.model.loads.len(), step.loads.len());
-    own_keys("prescribed_strains", before.model.prescribed_strains.len(), step.prescribed_strains.len());
-    out.loads.resize(out.loads.len() + step.loads.len(), Continued::default());
-    out.model.loads.extend_from_slice(&step.loads);
-    out.model.conditions.extend_from_slice(&step.conditions);
-    out.staying.resize(out.model.conditions.len(), false);
-    out.model.prescribed_strains.extend_from_slice(&step.prescribed_strains);
-    for strain in &step.prescribed_strains {
-        let bare = strain.without_amplitude();
-        let is_free = |i: &usize| all[*i] == bare && out.strains[*i].0 == held_at_zero();
-        if let Some(place) = (0..all.len()).find(is_free) {
-            out.strains[place] = (Continued::default(), strain.amplitude().cloned());
-        }
-    }
-    out
-}
-
-/// Prescribed strain that the base state of a buckling step does not have.
-fn held_at_zero() -> Continued {
-    Continued { held: true, ..Continued::default() }
-}
-
-/// Modal step: the conditions of the step at whose end it stands, and its loads with their factors there.
-fn about_the_end(
-    model: &Model,
-    number: usize,
-    step: &AnalysisStep,
-    before: &StepModel,
-    index: usize,
-) -> StepModel {
-    let held = |was: &Continued, amplitude: Option<&str>| Continued {
-        start: end_factor(before, was, amplitude),
-        released: false,
-        held: true,
-    };
-    let loads = before.loads.iter().zip(&before.model.loads);
-    let strains = before.strains.iter();
-    StepModel {
-        name: name(step, number),
-        loads: loads.map(|(was, load)| held(was, load.amplitude().as_deref())).collect(),
-        strains: strains.map(|(was, amplitude)| (held(was, amplitude.as_deref()), None)).collect(),
-        of_caller: held(&before.of_caller, None),
-        model: Model { analysis: step.analysis.clone(), output: output(model, step), ..before.model.clone() },
-        starts_from: Some(index),
-        place: Some(format!("steps[{number}]")),
-        keys: [own_keys(number), before.keys.clone()].concat(),
-        ..before.clone()
-    }
-}
-
 /// Keys of a step that stand for those of a model of its own, with the exception of lists.
-fn own_keys(number: usize) -> Vec<(String, String)> {
+pub(super) fn own_keys(number: usize) -> Vec<(String, String)> {
     [("analysis", "analysis"), ("initial_velocities", "initial_velocities"), ("output.at", "at")]
         .map(|(own, file)| (own.to_owned(), format!("steps[{number}].{file}")))
         .into()
@@ -385,16 +322,16 @@ fn one_step(
     }
 }
 
-fn name(step: &AnalysisStep, number: usize) -> String {
+pub(super) fn name(step: &AnalysisStep, number: usize) -> String {
     if step.name.is_empty() { format!("step {}", number + 1) } else { step.name.clone() }
 }
 
-fn output(model: &Model, step: &AnalysisStep) -> crate::model::Output {
+pub(super) fn output(model: &Model, step: &AnalysisStep) -> crate::model::Output {
     crate::model::Output { at: step.at.clone(), ..model.output.clone() }
 }
 
 /// Factor of a load at the end of a step.
-fn end_factor(step: &StepModel, load: &Continued, amplitude: Option<&str>) -> f64 {
+pub(super) fn end_factor(step: &StepModel, load: &Continued, amplitude: Option<&str>) -> f64 {
     let function = amplitude.and_then(|name| TimeFunction::new(step.model.amplitudes.get(name)?).ok());
     let full = step.model.analysis.seeks_equilibria() && step.ends_at == 1.0;
     if full && function.is_none() && !load.released && !load.held {

@@ -383,6 +383,29 @@ fn a_preload_leaves_the_rest_of_the_critical_load() {
     assert!((found / 1.5 - 1.0).abs() < 1e-5, "{found}");
 }
 
+/// A strip that is shortened in its base state and shortened further by the buckling step: u₀ + λ (u₁ − u₀) is the critical displacement P L/EA.
+#[test]
+fn a_motion_goes_on_from_that_of_the_base_state() {
+    let strip = Strip::SLENDER;
+    let critical = factors(&strip.model([32, 1], ElementKind::Ems))[0] / strip.stretching() * strip.length;
+    for [first, last] in [[0.3, 0.8], [0.5, 0.6], [-0.4, 1.0]].map(|pair| pair.map(|part| part * critical)) {
+        let mut m = preloaded(&strip, 0.0, StaticAnalysis::default());
+        for (step, end) in m.steps.iter_mut().zip([first, last]) {
+            step.loads.clear();
+            step.conditions = vec![moved("u_max", -end)];
+        }
+        let expected = (critical - first) / (last - first);
+        let found = last_step(&m).unwrap().modes[0].factor;
+        assert!((found / expected - 1.0).abs() < 1e-4, "{first} {last}: {found} {expected}");
+    }
+    let mut m = preloaded(&strip, 0.0, StaticAnalysis::default());
+    m.steps[0].conditions = vec![guided("u_max", &[Axis::X])];
+    m.steps[1].conditions = vec![moved("u_max", -0.5 * critical)];
+    let error = last_step(&m).unwrap_err().to_string();
+    let named = error.contains("steps[1].conditions[0]") && error.contains("which steps[0].conditions[0] supports");
+    assert!(named, "{error}");
+}
+
 #[test]
 fn an_unstable_base_state_is_refused() {
     let strip = Strip::SLENDER;

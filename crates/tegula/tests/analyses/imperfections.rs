@@ -1,6 +1,6 @@
 //! Imperfections of the reference geometry: shapes of buckling modes and random fields.
 
-use crate::common::{cylinder, on, plate, vector_load};
+use crate::common::{Notes, cylinder, on, plate, vector_load};
 use crate::path_edges::{Warnings, hinged_plate};
 use tegula::analysis::{Silent, buckling, statics};
 use tegula::compile::{build, imperfect_mesh};
@@ -139,6 +139,35 @@ fn waves_are_normal_to_the_surface() {
         let value = amplitude * (std::f64::consts::TAU * at.y / wavelength + phase.to_radians()).cos();
         let expected = Vec3::new(at.x, 0.0, at.z) / 2.0 * value;
         assert!((x - at - expected).norm() < 1e-15, "{x:?} {at:?}");
+    }
+}
+
+/// Imperfections without an effect: a wave across a flat strip, an amplitude of 0, and random ones that are shorter than an element.
+#[test]
+fn imperfections_without_effect_are_warned_of() {
+    let mut m = column(1.0);
+    let nominal = generate(&m.mesh).unwrap();
+    let wave = |direction| {
+        Imperfection::Wave(WaveImperfection { amplitude: 1e-3, direction, wavelength: 0.5, phase: 0.0 })
+    };
+    let random = |correlation_length| {
+        Imperfection::Random(RandomImperfection { amplitude: 1e-3, correlation_length, seed: 1 })
+    };
+    for (imperfection, reason) in [
+        (wave([0.0, 0.0, 1.0]), Some("leaves the shape as it is")),
+        (wave([1.0, 0.0, 0.0]), None),
+        (mode(1, 0.0), Some("moves no node")),
+        (mode(1, 1e-3), None),
+        (random(1e-3), Some("shorter than the edges")),
+        (random(0.3), None),
+    ] {
+        m.imperfections = vec![imperfection];
+        let mut notes = Notes::default();
+        imperfect_mesh(&m, &nominal, &mut notes).unwrap().unwrap();
+        match reason {
+            Some(reason) => assert!(notes.warnings.iter().any(|w| w.contains(reason)), "{:?}", notes.warnings),
+            None => assert!(notes.warnings.is_empty(), "{:?}", notes.warnings),
+        }
     }
 }
 

@@ -6,7 +6,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{FixComponents, NodalVector, OnSet, PrescribeComponent, SymmetryPlane};
+use super::{Axis, FixComponents, NodalVector, OnSet, PrescribeComponent, SymmetryPlane};
 use crate::Vec3;
 use crate::checker::Checker;
 
@@ -74,6 +74,8 @@ impl Constraints {
 pub(crate) struct PrescribedMotion<'a> {
     /// Nodal vector that moves.
     pub(crate) of: NodalVector,
+    /// Component that is prescribed.
+    pub(crate) component: Axis,
     /// Change of the component at amplitude 1 [length, or none for directors].
     pub(crate) value: f64,
     /// Name of the amplitude.

@@ -52,6 +52,11 @@ impl SupportKeys for PrescribeComponent {
     }
 
     fn motion(&self) -> Option<PrescribedMotion<'_>> {
-        Some(PrescribedMotion { of: self.of, value: self.value, amplitude: &self.amplitude })
+        Some(PrescribedMotion {
+            of: self.of,
+            component: self.component,
+            value: self.value,
+            amplitude: &self.amplitude,
+        })
     }
 }
