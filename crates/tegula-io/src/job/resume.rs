@@ -109,6 +109,7 @@ impl CheckpointData {
             ("acceleration lag", s.acceleration_lag.len()),
             ("mean velocities", s.mean_rates[0].len()),
             ("mean accelerations", s.mean_rates[1].len()),
+            ("mean loads", s.mean_loads.len()),
             ("tangent v", t.v.len()),
             ("reactions", self.forces.1.len()),
         ];

@@ -228,6 +228,7 @@ fn distinct(system: &System) -> CheckpointData {
         &mut state.mean_a,
         &mut state.scheme_v,
         &mut state.acceleration_lag,
+        &mut state.mean_loads,
     ] {
         *nodal = field(n);
     }
@@ -267,6 +268,7 @@ fn distinct(system: &System) -> CheckpointData {
     };
     state.path = Some(Box::new(PathState {
         position,
+        load_rate: load,
         expansion,
         arc: Some(ArcStart { tangent, length }),
         direction: field(n),

@@ -1,8 +1,10 @@
 //! Analyses: statics, linear buckling, natural frequencies, transient dynamics.
 
+mod bending_watch;
 pub mod buckling;
 mod circulatory;
 mod constraints;
+mod copies;
 mod drilling;
 pub mod dynamics;
 pub mod equilibrium;
@@ -57,6 +59,9 @@ pub struct State {
     /// for other schemes.
     #[serde(default)]
     pub mean_rates: [Vec<Nodal>; 2],
+    /// Mean loads of the last finished step of BDF2; empty at its start and for other schemes.
+    #[serde(default)]
+    pub mean_loads: Vec<Nodal>,
     /// Enhanced parameters and internal variables of the materials.
     pub history: Vec<f64>,
     /// Lagrange multipliers of the constraints of joints, in the order of the joints.

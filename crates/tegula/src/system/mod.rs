@@ -142,6 +142,8 @@ pub struct PrescribedField {
 pub struct PathBefore {
     /// Its direction at the end; empty where there is no such path.
     pub direction: Vec<Nodal>,
+    /// Whether the load factor rises along this direction.
+    pub rises: bool,
     /// Whether it has ended at a critical point, a limit point or a bifurcation.
     pub at_critical_point: bool,
     /// Change of the number of negative eigenvalues there: where it grows, the stable equilibria lie against the direction.

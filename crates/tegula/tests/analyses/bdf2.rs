@@ -212,3 +212,31 @@ fn a_jump_of_the_velocity_starts_the_formula_anew() {
         assert!((place.norm() - 0.5).abs() < 1e-12);
     }
 }
+
+/// A free mass ends with the impulse of a pulse, whatever its shape and however short it is beside the step: of a triangle, of a rectangle, of
+/// a saw tooth, and of one that lasts for several steps.
+#[test]
+fn a_free_mass_keeps_the_impulse_of_a_pulse() {
+    const JUMP: f64 = 1e-9;
+    for (points, impulse) in [
+        (vec![[0.5, 0.0], [0.501, 1.0], [0.502, 0.0]], 0.001),
+        (vec![[0.51, 0.0], [0.51 + JUMP, 1.0], [0.514, 1.0], [0.514 + JUMP, 0.0]], 0.004),
+        (vec![[0.5, 0.0], [0.52, 1.0], [0.52 + JUMP, 0.0]], 0.01),
+        (vec![[0.2, 0.0], [0.27, 1.0], [0.61, 1.0], [0.66, -1.0], [0.7, 0.0]], 0.035 + 0.34 - 0.02),
+    ] {
+        for time_step in [Some(0.05), None] {
+            let mut model =
+                stepped(&machine(1.0, 0.05, vec![body("mass", [0.0; 3], 2.0, None)], vec![]), 1.0, 0.05);
+            let Analysis::Transient(options) = &mut model.analysis else { panic!() };
+            options.time_step = time_step;
+            let (times, values) = points.iter().map(|[t, f]| (*t, *f)).unzip();
+            model.amplitudes.insert("pulse".into(), Amplitude::Table(TableAmplitude { times, values }));
+            let load = GravityLoad { value: [100.0, 0.0, 0.0], amplitude: Some("pulse".into()) };
+            model.loads = vec![Load::Gravity(load)];
+            let (system, state) = run(&model, &mut Notes::default());
+            let speed = BodyMotion::new(&system, &state, &system.coordinates.bodies[0]).velocity.x;
+            let off = (speed / (100.0 * impulse) - 1.0).abs();
+            assert!(off < 1e-6, "{points:?} {time_step:?}: {speed} {impulse}");
+        }
+    }
+}

@@ -305,6 +305,29 @@ fn an_end_moment_rolls_a_beam_up_to_a_circle() {
     assert!((3.7..4.3).contains(&(gaps[0] / gaps[1])), "{gaps:?}");
 }
 
+/// Of eight elements that a moment rolls up to half a circle each bends by 22.5°: the end is farther away than 2L/π, and a warning says so. Of 32
+/// elements the end is within 2 %, without a warning.
+#[test]
+fn a_beam_of_few_elements_that_bends_far_is_warned_of() {
+    let constants =
+        SectionConstants { axial: 1e6, shear: [1e6; 2], bending: [100.0; 2], torsion: 80.0, mass: 1.0, inertia: [1e-4; 2] };
+    let moment = std::f64::consts::PI * 100.0 / 10.0;
+    for (elements, warned) in [(8, true), (32, false)] {
+        let section = BeamSection::Constants(constants);
+        let beam = Beam::straight("rod", [[0.0; 3], [10.0, 0.0, 0.0]], elements, [0.0, 0.0, 1.0], section);
+        let mut model = model(1.0, None, vec![beam], vec![fixed("clamp", "ground", "rod.start", [0.0; 3])]);
+        model.loads = vec![Load::Moment(VectorLoad::new("rod.end", [0.0, 0.0, moment]))];
+        model.analysis = Analysis::Static(StaticAnalysis::default());
+        let system = compile::build(&model, &mesh::generators::generate(&model.mesh).unwrap()).unwrap();
+        let mut notes = Notes::default();
+        let outcome = statics::run(&system, &StaticAnalysis::default(), None, &mut notes).unwrap();
+        let told = |w: &String| w.contains("element of the beam \"rod\"") && w.contains("too small by about");
+        assert_eq!(notes.warnings.iter().any(told), warned, "{:?}", notes.warnings);
+        let error = (place(&system, &outcome.state, "rod.end").norm() * std::f64::consts::PI / 20.0 - 1.0).abs();
+        assert_eq!(error > 0.1, warned, "{error}");
+    }
+}
+
 /// A simply supported beam under its weight: 5 w L⁴/(384 EI) + w L²/(8 kGA), reactions w L/2.
 #[test]
 fn a_beam_on_hinges_sags_under_its_weight() {

@@ -2,7 +2,8 @@
 
 use crate::common::{Notes, compile, vector_load};
 use crate::multibody::{axis_joint, spring};
-use crate::paths::{arch, critical_loads, roof};
+use crate::arches::{arch, critical_loads};
+use crate::paths::roof;
 use tegula::Vec3;
 use tegula::analysis::path::{self, CriticalKind};
 use tegula::analysis::{Observer, State, Step, dynamics, modal, statics};

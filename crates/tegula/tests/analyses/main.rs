@@ -7,6 +7,7 @@
 mod common;
 
 mod arc_length;
+mod arches;
 mod assembly;
 mod bdf2;
 mod beams;
@@ -62,6 +63,7 @@ mod multibody;
 mod nearest_assembly;
 mod nearest_positions;
 mod nonlinear_materials;
+mod opposite_crossings;
 mod outlines;
 mod patch_refusals;
 mod patches;

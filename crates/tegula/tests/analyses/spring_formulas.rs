@@ -532,3 +532,31 @@ fn springs_whose_force_does_not_grow_are_named() {
         }
     }
 }
+
+/// An arm that falls on a bump stop goes back to the height from which it has fallen, with a scheme that damps, too: the step in which the
+/// stop releases it would gain energy, and is repeated with shorter ones.
+#[test]
+fn an_arm_that_a_bump_stop_releases_takes_shorter_steps() {
+    let arm = body("arm", [0.5, 0.0, 0.0], 1.0, Some([0.01, 0.08, 0.08]));
+    let joints = vec![revolute("hinge", "ground", "arm", [0.0; 3], [0.0, 1.0, 0.0])];
+    let mut model = with_scheme(machine(2.0, 0.01, vec![arm], joints), ALPHA);
+    let Analysis::Transient(options) = &mut model.analysis else { panic!() };
+    options.time_step = None;
+    model.loads = gravity([0.0, 0.0, -9.81]);
+    model.springs = vec![SpringDamper {
+        across: None,
+        name: "stop".into(),
+        between: between("ground", "arm"),
+        points: [[1.0, 0.0, -1.0], [1.0, 0.0, 0.0]],
+        stiffness: 0.0,
+        damping: 0.0,
+        force: Some("1e5*min(x,0)".into()),
+        length: Some(0.8),
+    }];
+    let mut notes = Notes::keeping();
+    let (system, _) = run(&model, &mut notes);
+    let height = |state| pose(&system, state, 0).0.z;
+    let late = notes.states.iter().filter(|state| state.time > 1.0).map(height);
+    let highest = late.reduce(tegula::norm::larger).unwrap();
+    assert!(highest < 1e-4 && highest > -0.02, "{highest}");
+}

@@ -5,8 +5,12 @@
 //! ```text
 //! V₁ = (u₁ − u₀)/Δt,   A₁ = (v₁ − v₀)/Δt,   ω = Δt/Δt₀
 //! v₁ = c V₁ − w V₀,    a₁ = c A₁ − w A₀,     c = (1 + 2ω)/(1 + ω),  w = ω/(1 + ω)
-//! M a₁ + C v₁ + f₁ − F₁ + G₁ᵀλ₁ = 0,         g(u₁) = 0
+//! M a₁ + C v₁ + f₁ + G₁ᵀλ₁ = c F̄₁ − w F̄₀,    g(u₁) = 0
 //! ```
+//!
+//! **Loads.** F̄₁ and F̄₀ are the means of the loads in the step and in the one before, by the trapezoidal rule. The right side differs from
+//! F₁ by terms of second order, and a free mass keeps the impulse of the loads exactly, `M A₁ = F̄₁`, however the lengths of the steps change: with F₁
+//! a short pulse between long steps would leave a third too much.
 //!
 //! The first step, and one that is much longer than the step before, is a backward Euler step (c = 1, w = 0). Motions that the step does not
 //! resolve vanish (L-stability); with automatic steps of any length a structure settles in its equilibrium. For
@@ -40,6 +44,8 @@ pub struct Bdf2 {
     /// Velocities at the start of the step, and those at its end on the constraints.
     velocities: Vec<Nodal>,
     projected: Vec<Nodal>,
+    /// Mean loads of the step before.
+    loads_before: Vec<Nodal>,
     /// Local error of the nodal vectors, and scratch space.
     error: Vec<Nodal>,
     scratch: Vec<Nodal>,
@@ -57,6 +63,7 @@ impl Bdf2 {
             ratio: None,
             velocities: zero.clone(),
             projected: zero.clone(),
+            loads_before: zero.clone(),
             error: zero.clone(),
             scratch: zero,
             sharp: system.constraints() > 0 || !system.dofs().triads.is_empty(),
@@ -93,7 +100,9 @@ impl Equation for Bdf2 {
     }
 
     fn external_minus_inertia(&self, system: &System, out: &mut [Nodal]) {
-        self.newmark.external_minus_inertia(system, out);
+        let [c, w] = self.weights;
+        let before = |n: usize| self.loads_before.get(n).map_or([0.0; 3], |load| load.map(|x| w * x));
+        self.newmark.weighted_external_minus_inertia(system, (c, before), out);
     }
 
     fn apply(&mut self, system: &System, increment: &[Nodal]) {
@@ -104,12 +113,14 @@ impl Equation for Bdf2 {
 impl Integrator for Bdf2 {
     fn begin(&mut self, system: &System, _assembly: &mut Assembly, state: &State, span: Span) {
         let ratio = span.dt / state.last_step;
-        self.ratio = (!state.mean_rates[0].is_empty() && ratio <= LARGEST_RATIO).then_some(ratio);
+        let continues = !state.mean_rates[0].is_empty() && !state.mean_loads.is_empty();
+        self.ratio = (continues && ratio <= LARGEST_RATIO).then_some(ratio);
         self.weights = self.ratio.map_or([1.0, 0.0], |w| [(1.0 + 2.0 * w) / (1.0 + w), w / (1.0 + w)]);
         let c = self.weights[0];
         (self.newmark.beta, self.newmark.gamma) = (1.0 / (c * c), 1.0 / c);
         self.newmark.a_old.copy_from_slice(&state.a);
         self.velocities.copy_from_slice(state.velocities_of_scheme());
+        self.loads_before.clone_from(&state.mean_loads);
         self.newmark.start(system, state, span);
         self.rates(system, state);
     }
@@ -137,6 +148,8 @@ impl Integrator for Bdf2 {
                 *mean = std::array::from_fn(|i| (end[i] - start[i]) / newmark.dt);
             }
         }
+        state.mean_loads.resize(scratch.len(), [0.0; 3]);
+        newmark.mean_loads(system, &mut state.mean_loads);
         scratch.fill([0.0; 3]);
         project_rates(system, &newmark.u, projected, scratch);
         state.u.copy_from_slice(&newmark.u);

@@ -12,7 +12,8 @@
 //! end of the step. All are of fourth order.
 
 use super::step_end::Span;
-use super::time_steps::{Attempt, TimeSteps, Trouble, commit, finish, spring_without_force, trouble};
+use super::time_steps::{Attempt, TimeSteps, commit, finish, spring_without_force, trouble};
+use super::trouble::Trouble;
 use super::{constrained_start, impact, project_rates};
 use crate::analysis::constraints::Rates;
 use crate::analysis::newton::{Cause, Converged, Diverged, Newton};

@@ -108,7 +108,7 @@ pub(super) fn consistent_velocities(
     system: &System,
     newton: &mut Newton,
     state: &mut State,
-) -> Result<Vec<String>> {
+) -> Result<Messages> {
     newton.count_turns(system, state);
     let motion = Motion::State { u: &state.u, velocity: None };
     let open = newton.constraints.as_ref().and_then(|c| c.violation(system, (&motion, state.time), CLOSED));
@@ -120,39 +120,50 @@ pub(super) fn consistent_velocities(
         ));
     }
     let before = system.kinetic_energy(&state.v);
-    let Some([changed, size]) = project_velocities(system, newton, state)? else { return Ok(Vec::new()) };
+    let Some([changed, size]) = project_velocities(system, newton, state)? else { return Ok(Messages::default()) };
     agreed(system, newton, state, Order::First)?;
     super::joint_events::JointEvents::start(system, state)?;
     if let Some(constraints) = newton.constraints.as_mut().filter(|_| !state.coordinates.is_empty()) {
         constraints.set_modes(&state.coordinates);
         take_mass(system, &newton.assembly, (&mut newton.solver, constraints), state)?;
     }
-    let mut messages = Vec::new();
+    let mut messages = Messages::default();
     if system.start.as_ref().is_some_and(|start| !start.v.is_empty()) {
         account_for_impact(system, (before, changed * changed), state);
     }
-    messages.extend(message_of_change(system, [changed, size], before));
+    messages.note_change(system, [changed, size], [before, system.kinetic_energy(&state.v)]);
     Ok(messages)
 }
 
-/// Message about velocities of this size that were changed by that much, in the norm of the kinetic energy, which was `before`.
-pub(super) fn message_of_change(system: &System, [changed, size]: [f64; 2], before: f64) -> Option<String> {
-    let engaged = engaged(system);
-    if !engaged.is_empty() && changed > NOTEWORTHY * size {
-        Some(format!(
-            "the joint(s) {engaged} stop(s) a motion at the start: a plastic impact dissipates the kinetic energy {:.6e}, of {before:.6e}",
-            changed * changed
-        ))
-    } else if changed > 0.0 && !(size > NOTEWORTHY * changed) {
-        Some("the velocities of drives at the start set the model in motion at once".into())
-    } else if changed > NOTEWORTHY * size {
-        Some(format!(
-            "the velocities at the start did not keep the joints closed: they were changed by {:.2} % (in the norm \
-             of the kinetic energy)",
-            100.0 * changed / size
-        ))
-    } else {
-        None
+/// Messages about the first state of an analysis.
+#[derive(Debug, Default)]
+pub(super) struct Messages {
+    pub events: Vec<String>,
+    pub warnings: Vec<String>,
+}
+
+/// Change of velocities over them, in the norm of the kinetic energy, above which it is a warning.
+const LARGE_CHANGE: f64 = 0.01;
+
+impl Messages {
+    /// Notes that velocities of a size were changed by that much, in the norm of the kinetic energy, which was and is the given ones.
+    pub fn note_change(&mut self, system: &System, [changed, size]: [f64; 2], [before, after]: [f64; 2]) {
+        let engaged = engaged(system);
+        if !engaged.is_empty() && changed > NOTEWORTHY * size {
+            self.events.push(format!(
+                "the joint(s) {engaged} stop(s) a motion at the start: a plastic impact dissipates the kinetic energy {:.6e}, of {before:.6e}",
+                changed * changed
+            ));
+        } else if changed > 0.0 && !(size > NOTEWORTHY * changed) {
+            self.events.push("the velocities of drives at the start set the model in motion at once".into());
+        } else if changed > NOTEWORTHY * size {
+            let message = format!(
+                "the velocities at the start did not keep the joints closed: they were changed by {:.2} % (in the norm of the kinetic \
+                 energy), which goes from {before:.6e} to {after:.6e}",
+                100.0 * changed / size
+            );
+            if changed > LARGE_CHANGE * size { self.warnings.push(message) } else { self.events.push(message) }
+        }
     }
 }
 

@@ -7,7 +7,6 @@ use super::step_end::Span;
 use crate::Vec3;
 use crate::analysis::{Balance, Observer, State, equilibrium};
 use crate::element::Nodal;
-use crate::error::{Error, Result};
 use crate::system::{System, VectorKind};
 use tegula_sparse::norm::larger;
 
@@ -159,14 +158,14 @@ impl EnergyWatch {
     }
 }
 
-/// Refuses a step of a mechanism that does not keep the energy: near a singular position of its joints the motion has left its
-/// branch.
+/// Judges whether a step of a mechanism keeps the energy: near a singular position of its joints the motion has left its branch. The
+/// error is the reason, as text.
 pub(super) fn keeps_energy(
     system: &System,
     (span, state): (Span, &State),
     [before, after]: [&Balance; 2],
     (scale, conserves): (f64, bool),
-) -> Result<()> {
+) -> std::result::Result<(), String> {
     let drives: Vec<_> = system.joints.iter().filter(|joint| joint.drive.is_some()).collect();
     // The work of drives is exact in schemes that conserve energy only.
     if !conserves && !drives.is_empty() {
@@ -196,15 +195,9 @@ pub(super) fn keeps_energy(
     } else {
         format!(", or the drives ({}) contradict each other or other joints", names.join(", "))
     };
-    Err(Error::NotConverged {
-        at: format!("time {:.6e}", span.end),
-        reason: format!(
-            "the total energy changed by {change:.2e} in a step, {:.1e} of the largest energy: {cause}the joints are near a singular \
-             position, in which parts of the mechanism may move although they seem to be held{springs}{contradiction}",
-            change / scale
-        ),
-        help: "Results up to the step before are complete. Change the position of joints that lie in one line or plane, or take a \
-               smaller step."
-            .into(),
-    })
+    Err(format!(
+        "the total energy changed by {change:.2e} in a step, {:.1e} of the largest energy: {cause}the joints are near a singular \
+         position, in which parts of the mechanism may move although they seem to be held{springs}{contradiction}",
+        change / scale
+    ))
 }

@@ -4,10 +4,12 @@ use super::amplitude_check::AmplitudeCheck;
 use super::critical_step::CriticalStep;
 use super::energy_watch::{SuppliedEnergy, is_round_off};
 use super::explicit::Explicit;
-use super::explicit_start::{self, Messages};
+use super::constrained_start::Messages;
+use super::explicit_start;
 use super::fibre_watch::FibreWatch;
 use super::step_end::StepEnds;
 use super::{SMALLEST_STEP, Span};
+use crate::analysis::bending_watch::BendingWatch;
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::statics::undefined;
 use crate::analysis::stepper::Reached;
@@ -114,6 +116,7 @@ pub(super) struct ExplicitSteps<'a> {
     fibres: FibreWatch,
     monitor: EnergyMonitor,
     drilling: DrillingWatch,
+    bending: BendingWatch,
     ends: StepEnds,
     check: AmplitudeCheck,
     state: State,
@@ -171,6 +174,7 @@ impl<'a> ExplicitSteps<'a> {
             fibres,
             monitor,
             drilling: DrillingWatch::new(),
+            bending: BendingWatch::new(),
             ends: StepEnds::new(system, options),
             check: AmplitudeCheck::new(system, options),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
@@ -285,7 +289,7 @@ impl<'a> ExplicitSteps<'a> {
 
     /// Checks the energy balance of the state.
     fn check_balance(&mut self, observer: &mut dyn Observer) -> Result<()> {
-        let Self { system, scheme, state, balance, monitor, statistics, drilling, .. } = self;
+        let Self { system, scheme, state, balance, monitor, statistics, drilling, bending, .. } = self;
         *balance = super::balance(system, &mut scheme.assembly, state);
         state.energy_scale = state.energy_scale.max(balance.kinetic).max(balance.strain);
         let (error, broken) = monitor.check(system, balance, (scheme, state));
@@ -293,7 +297,9 @@ impl<'a> ExplicitSteps<'a> {
         if let Some(reason) = broken {
             return Err(self.unstable(reason));
         }
-        drilling.look(system, (&state.u, state.time), observer, || format!("time {:.6e}", state.time));
+        let at = || format!("time {:.6e}", state.time);
+        drilling.look(system, (&state.u, state.time), observer, at);
+        bending.look(system, &state.u, observer, at);
         Ok(())
     }
 

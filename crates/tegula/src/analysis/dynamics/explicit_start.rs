@@ -1,19 +1,12 @@
 //! Consistent start of explicit steps: velocities that keep joints closed, accelerations and multipliers.
 
-use super::constrained_start::{CLOSED, DISAGREED, account_for_impact, message_of_change};
+use super::constrained_start::{CLOSED, DISAGREED, Messages, account_for_impact};
 use super::explicit::Explicit;
 use super::explicit_joints::{Projection, Side};
 use crate::analysis::constraints::Rates;
 use crate::analysis::{State, equilibrium};
 use crate::system::System;
 use crate::{Error, Result};
-
-/// Messages of the start of an analysis.
-#[derive(Debug, Default)]
-pub(super) struct Messages {
-    pub events: Vec<String>,
-    pub warnings: Vec<String>,
-}
 
 /// Makes a first state consistent: velocities, then accelerations and multipliers.
 ///
@@ -45,8 +38,8 @@ pub(super) fn start(system: &System, scheme: &mut Explicit, state: &mut State) -
         if system.start.as_ref().is_some_and(|start| !start.v.is_empty()) {
             account_for_impact(system, (before.0, sizes[0] * sizes[0]), state);
         }
-        messages.events.extend(message_of_change(system, sizes, before.0));
-        messages.warnings = joints.redundant(system);
+        messages.note_change(system, sizes, [before.0, system.kinetic_energy(&state.v)]);
+        messages.warnings.extend(joints.redundant(system));
         super::project_rates(system, &state.u, &mut state.v, &mut state.a);
     }
     state.multipliers.fill(0.0);

@@ -31,6 +31,7 @@ mod stick_slip;
 mod time_steps;
 mod tracked_coordinate;
 pub(crate) mod triads;
+mod trouble;
 
 use super::newton::{Equation, Newton, Tolerances};
 use super::{Balance, Observer, State, Statistics, Stepper, Stopped, equilibrium, statics, stepper};
@@ -41,6 +42,7 @@ use crate::system::dof_map::{CONSTRAINED, UnitVector};
 use crate::system::{Assembly, Procedure, System, VectorKind, dot, dot3};
 use crate::{Error, Result, Vec3};
 pub use amplitude_check::{PassedOver, passed_over};
+use constrained_start::Messages;
 use explicit_run::ExplicitSteps;
 pub use step_end::Span;
 use time_steps::TimeSteps;
@@ -151,7 +153,7 @@ pub fn steps<'a>(
 
 /// First state of the step with its initial velocities, prescribed values at time 0, and accelerations that satisfy the
 /// equations of motion there: `M a = F − f_int − C v`. Returns also what is worth a message.
-fn initial_state(system: &System, newton: &mut Newton) -> Result<(State, Vec<String>)> {
+fn initial_state(system: &System, newton: &mut Newton) -> Result<(State, Messages)> {
     let mut state = initial_motion(system);
     newton.assembly.follow(system, &state.point_with_rates(system));
     impact::factor_mass(system, newton, &state)?;

@@ -236,6 +236,32 @@ impl Newmark {
         system.pattern.add_mass_product(-share * system.mass_damping, &self.v, out);
     }
 
+    /// External minus inertia forces at the end of the step, with a weight on the mean of the loads at both ends, and minus the loads
+    /// `before`.
+    pub(super) fn weighted_external_minus_inertia(
+        &self,
+        system: &System,
+        (weight, before): (f64, impl Fn(usize) -> Nodal),
+        out: &mut [Nodal],
+    ) {
+        self.mean_loads(system, out);
+        for (n, o) in out.iter_mut().enumerate() {
+            let before = before(n);
+            *o = std::array::from_fn(|i| weight * o[i] - before[i]);
+        }
+        system.pattern.add_mass_product(-1.0, self.accelerations(), out);
+        system.pattern.add_mass_product(-system.mass_damping, &self.v, out);
+    }
+
+    /// Mean of the loads at both ends of the step.
+    pub(super) fn mean_loads(&self, system: &System, out: &mut [Nodal]) {
+        out.fill([0.0; 3]);
+        self.loads(system, self.time, &self.u, out);
+        for (o, old) in out.iter_mut().zip(&self.loads_old) {
+            *o = std::array::from_fn(|i| 0.5 * (o[i] + old[i]));
+        }
+    }
+
     /// Local error of position from that of the nodal vectors, whose part across the constraints is left out: positions satisfy them.
     pub(super) fn tangential_error(
         &self,

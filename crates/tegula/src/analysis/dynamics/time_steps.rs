@@ -9,7 +9,9 @@ use super::rotation_watch::RotationWatch;
 use super::schemes::Instant;
 use super::step_control::StepControl;
 use super::step_end::{Span, StepEnds};
+use super::trouble::{Trouble, advice};
 use super::{Integrator, SMALLEST_STEP, balance, impact, initial_state, joint_impact, predictor, triads};
+use crate::analysis::bending_watch::BendingWatch;
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::newton::{Cause, Converged, Diverged, Newton, Tolerances};
 use crate::analysis::statics::undefined;
@@ -41,10 +43,13 @@ pub(super) struct TimeSteps<'a> {
     /// Steps one after another that have ended at an event after no more than round-off of the time.
     instants: u32,
     drilling: DrillingWatch,
+    bending: BendingWatch,
     /// The last state reached.
     pub state: State,
     /// State between two sub-steps of a composed step.
     pub between: State,
+    /// State at the start of the step, to which a mechanism returns that has gained energy.
+    start: State,
     balance: Balance,
     pub statistics: Statistics,
     /// Velocities at the start of the last step, for the predictor.
@@ -86,12 +91,12 @@ impl<'a> TimeSteps<'a> {
                     return Err(undefined("time", (0.0, 0.0), reason));
                 }
                 let (state, found) = initial_state(system, &mut newton)?;
-                messages = found;
+                (messages, warnings) = (found.events, found.warnings);
                 if options.scheme.is_kinematic() {
                     determined(system, &newton, &state)?;
                 }
                 let constraints = newton.constraints.iter();
-                warnings = constraints.flat_map(|constraints| constraints.redundant(system)).collect();
+                warnings.extend(constraints.flat_map(|constraints| constraints.redundant(system)));
                 state
             }
         };
@@ -111,6 +116,7 @@ impl<'a> TimeSteps<'a> {
             reviewing: false,
             instants: 0,
             drilling: DrillingWatch::new(),
+            bending: BendingWatch::new(),
             drive_rates: DriveRates::new(system, state.time),
             energies: EnergyWatch::new(system, &balance),
             rotations: RotationWatch::new(
@@ -123,6 +129,7 @@ impl<'a> TimeSteps<'a> {
             old_velocities: vec![[0.0; 3]; system.vectors()],
             own_tangents: false,
             between: State::default(),
+            start: State::default(),
             fresh,
             messages,
             warnings,
@@ -269,6 +276,9 @@ impl<'a> TimeSteps<'a> {
         }
         let error = larger(error, self.system.error_of_drives(self.state.time, span.end));
         if self.control.accepts(error) {
+            if self.may_return() {
+                self.start.copy_from(&self.state);
+            }
             let Self { system, scheme, newton, state, old_velocities, .. } = self;
             finish(system, (scheme.as_mut(), newton), (old_velocities, state), span);
             return self.accept(span, error, &converged, observer);
@@ -288,7 +298,7 @@ impl<'a> TimeSteps<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Attempt> {
         let Self {
-            system, scheme, newton, state, statistics, control, drilling, events, old_velocities, ..
+            system, scheme, newton, state, statistics, control, drilling, bending, events, old_velocities, ..
         } = self;
         if !events.is_empty() {
             // A flight much shorter than a step is the end of an infinite number of impacts.
@@ -325,7 +335,10 @@ impl<'a> TimeSteps<'a> {
             let conserves = self.options.scheme.conserves_energy();
             let scale = scheme.energy_scale(system, &mut newton.assembly, &state.history);
             let scale = larger(scale, state.energy_scale);
-            keeps_energy(system, (span, state), [&before, &self.balance], (scale, conserves))?;
+            let trouble = keeps_energy(system, (span, state), [&before, &self.balance], (scale, conserves));
+            if let Err(reason) = trouble {
+                return self.return_to_start(span, before, reason);
+            }
             if let Some(message) = self.drive_rates.look(system, state, conserves)? {
                 observer.on_event(&format!("time {:.6e}: {message}", state.time));
             }
@@ -334,6 +347,7 @@ impl<'a> TimeSteps<'a> {
         statistics.steps = state.step;
         let at = (state.u.as_slice(), state.time);
         drilling.look(system, at, observer, || format!("time {:.6e}", state.time));
+        bending.look(system, at.0, observer, || format!("time {:.6e}", state.time));
         if !self.options.scheme.conserves_energy() && !self.options.scheme.is_kinematic() {
             let energies = (&self.balance, state.energy_scale);
             let last = span.end >= self.options.end_time;
@@ -341,6 +355,34 @@ impl<'a> TimeSteps<'a> {
         }
         self.rotations.look(system, at, scheme.sub_steps(), observer);
         Ok(Attempt::Accepted(converged.iterations))
+    }
+
+    /// Whether a step that gains energy is taken back: with a scheme that conserves energy the joints are the reason, whatever the step.
+    fn may_return(&self) -> bool {
+        !self.system.joints.is_empty() && !self.options.scheme.conserves_energy()
+    }
+
+    /// Takes back an accepted step that gains energy.
+    ///
+    /// # Errors
+    /// The scheme conserves energy.
+    fn return_to_start(&mut self, span: Span, before: Balance, reason: String) -> Result<Attempt> {
+        if !self.may_return() {
+            return Err(Error::NotConverged {
+                at: format!("time {:.6e}", span.end),
+                reason,
+                help: "Results up to the step before are complete. Change the position of joints that lie in one line or plane, or take a \
+                       smaller step."
+                    .into(),
+            });
+        }
+        self.state.copy_from(&self.start);
+        self.state.next_step = 0.5 * span.dt;
+        self.balance = before;
+        self.statistics.steps = self.state.step;
+        self.events.restart();
+        self.event = None;
+        Ok(Attempt::TooLong(Trouble::GainsEnergy, reason))
     }
 
     /// Repeats a step with a shorter one, or gives up.
@@ -406,7 +448,7 @@ impl Stepper for TimeSteps<'_> {
 
     fn repeat(&mut self, start: &State, end: f64) {
         let Self { system, state, newton, .. } = self;
-        state.clone_from(start);
+        state.copy_from(start);
         newton.reset();
         newton.restore(system, state, true);
         self.balance = balance(system, &mut newton.assembly, state);
@@ -536,55 +578,4 @@ pub(super) enum Attempt {
     Repeated,
     /// The step has to be cut back, for this reason.
     TooLong(Trouble, String),
-}
-
-/// Reason why a time step is cut back.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Trouble {
-    /// Local error above the tolerance.
-    Inaccurate,
-    /// Inverted element.
-    Inverted,
-    /// Point that leaves the end of a curve.
-    LeavesCurve,
-    /// Iteration that does not converge.
-    Iteration(Cause),
-}
-
-/// Advice for a motion whose cut-backs reach the smallest step: it fits the last failure, and is not in use already.
-fn advice(system: &System, options: &TransientAnalysis, trouble: Trouble) -> String {
-    if options.scheme.is_kinematic() {
-        return "The mechanism locks there, or drives contradict each other or other joints. Change the drives, or end the analysis before."
-            .into();
-    }
-    match trouble {
-        Trouble::Inverted | Trouble::Iteration(Cause::Material) => {
-            return "Look at the loads, the thickness and the material of this element, and at their units."
-                .into();
-        }
-        Trouble::Iteration(Cause::Tangent) => {
-            return "Check masses and supports: some degrees of freedom may have neither mass nor stiffness."
-                .into();
-        }
-        Trouble::LeavesCurve => {
-            return "Let the curve go on as far as its point moves, or end the analysis before, by `end_time` or a stop condition."
-                .into();
-        }
-        Trouble::Inaccurate | Trouble::Iteration(_) => {}
-    }
-    let mut list = Vec::new();
-    if trouble == Trouble::Inaccurate {
-        list.push("a larger `tolerance`");
-    }
-    if !options.scheme.conserves_energy() {
-        list.push("the scheme \"energy-momentum\"");
-    }
-    if system.mass_damping == 0.0 && !system.has_rate_damping() {
-        list.push("some damping");
-    }
-    if trouble != Trouble::Inaccurate && options.time_step.is_none() {
-        list.push("a smaller `tolerance`, so that the motion up to there is more accurate");
-    }
-    list.push("a look at loads, initial velocities and units");
-    format!("Try {}.", list.join(", or "))
 }

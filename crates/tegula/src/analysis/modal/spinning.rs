@@ -114,6 +114,12 @@ pub(super) fn modes(
     equilibrium: Option<&State>,
     observer: &mut dyn Observer,
 ) -> Result<ModalOutcome> {
+    let system = problem.system;
+    if system.mass_damping != 0.0 || system.has_rate_damping() {
+        observer.on_warning(
+            "modes about a relative equilibrium leave dampers and the damping of materials out: growth and stability are those without them",
+        );
+    }
     // Centrifugal forces soften by no more than Ω² M.
     problem.softening = spin.omega * spin.omega;
     let (real, _) = lowest_modes(problem, 2 * wanted + MORE, equilibrium, &mut Quiet(observer))?;

@@ -99,7 +99,9 @@ impl<S: TangentSolver> Newton<S> {
             let violation = self.violation(system, equation);
             if violation <= if rests { OPEN } else { larger(CLOSED, self.round_off).min(OPEN) } {
                 let open = progress.tangent_energy > JUDGED && progress.asked < MOST_ASKED && !rests;
-                if open && !in_time && !system.linear && system.has_force_elements() {
+                // The tangent of the first iterate does not know the stresses of the equilibrium: it says nothing about its stability.
+                let of_start = progress.tangents == 1;
+                if !in_time && !system.linear && (of_start || (open && system.has_force_elements())) {
                     progress.asked += 1;
                     self.factored = FactoredTangent::Nothing;
                     return Ok(None);

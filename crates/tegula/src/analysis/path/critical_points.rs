@@ -6,6 +6,7 @@
 //! are told apart. The error of the load factor is `−φᵀR/φᵀF` with the residual R of the series there.
 
 use super::expansion::Expansion;
+use super::opposite_crossings::{CurveWithModes, Unstable};
 use super::series::{Series, roots};
 use super::state::{CriticalKind, CriticalPoint};
 use crate::element::Nodal;
@@ -193,6 +194,18 @@ impl Curve for SeriesCurve<'_> {
     }
 }
 
+impl CurveWithModes for SeriesCurve<'_> {
+    fn unstable(&mut self, a: f64) -> Result<Unstable, String> {
+        let Self { system, expansion, series } = self;
+        let mut u = vec![[0.0; 3]; system.vectors()];
+        series.displacements(a, &mut u);
+        let load = series.load(a);
+        let negative = expansion.factor(system, &u, load)?;
+        let modes = expansion.unstable_modes(system, negative).ok_or("the unstable modes were not found")?;
+        Ok(Unstable { u, load, negative, modes })
+    }
+}
+
 /// Bifurcations of a curve up to the parameter `end`, where the tangent has `change` more negative eigenvalues than the `start` ones at
 /// parameter 0, beside those that limit points explain (parameters and changes). The tangent that is factored afterwards is another one.
 ///
@@ -204,9 +217,26 @@ pub fn bifurcations(
     (start, change): (usize, i32),
     limits: &[(f64, i32)],
 ) -> Result<Vec<Found>, String> {
+    bifurcations_between(curve, (end, start), vec![([0.0, end], [0, change])], limits)
+}
+
+/// Interval of parameters, and at both its ends the number of negative eigenvalues beyond those at the start of the curve and those that known
+/// critical points explain.
+pub type Counted = ([f64; 2], [i32; 2]);
+
+/// Bifurcations in intervals of a curve up to the parameter `end`, at whose start the tangent has `start` negative eigenvalues. The tangent that is
+/// factored afterwards is another one.
+///
+/// # Errors
+/// The tangent has no factor where it should; the text gives the reason.
+pub fn bifurcations_between(
+    curve: &mut dyn Curve,
+    (end, start): (f64, usize),
+    mut open: Vec<Counted>,
+    known: &[(f64, i32)],
+) -> Result<Vec<Found>, String> {
     let mut out = Vec::new();
-    let mut search = Search { curve, start, limits };
-    let mut open = vec![([0.0, end], [0, change])];
+    let mut search = Search { curve, start, limits: known };
     while let Some((interval, counts)) = open.pop() {
         if counts[0] == counts[1] {
             continue;

@@ -16,6 +16,8 @@
 
 use super::critical_points::normalize;
 use super::series::Series;
+use crate::analysis::newton::NOTHING_MOVES;
+use super::unstable_modes::UnstableModes;
 use crate::Result;
 use crate::analysis::solver::{self, Linearization, TangentSolver as _};
 use crate::element::power_series::KnownOrders;
@@ -197,6 +199,12 @@ impl Expansion {
         Ok((eigenvalue, mode))
     }
 
+    /// Eigenvectors of the negative eigenvalues of the factored tangent, whose number is given; `None` where they are not found.
+    pub fn unstable_modes(&mut self, system: &System, negative: usize) -> Option<UnstableModes> {
+        let Self { solver, assembly, .. } = self;
+        UnstableModes::of(system, &assembly.frames, negative, &mut |x| solver.solve_tangent(x))
+    }
+
     /// Series at a point of the path with its directions, whose tangent is factored. It goes on along the direction `before`, at the start
     /// of a path (empty) with rising loads, or falling ones. The residual fades over the length `expected`.
     ///
@@ -213,9 +221,7 @@ impl Expansion {
         let (mut first, change) = directions.across(system, before);
         let unit = directions.unit;
         if system.norm(&unit) == 0.0 {
-            return Err(
-                "no load, prescribed displacement or prescribed strain changes with the load factor".into()
-            );
+            return Err(NOTHING_MOVES.into());
         }
         // At the start of a path nothing is left from a step before.
         let share = if expected > 0.0 { 1.0 / expected } else { 0.0 };

@@ -18,12 +18,14 @@ mod crossing;
 mod expansion;
 mod geometric;
 mod hand_over;
+mod opposite_crossings;
 mod piece;
 mod scope;
 mod series;
 mod series_steps;
 mod start;
 mod state;
+mod unstable_modes;
 
 pub use arc_length::ArcLengthSteps;
 pub use series_steps::SeriesSteps;

@@ -5,9 +5,11 @@ use super::critical_points::{Found, INVERSE_ITERATIONS, SeriesCurve, bifurcation
 use super::crossing::refuse_fold_of_other_path;
 use super::expansion::{Directions, Expansion};
 use super::geometric;
+use super::opposite_crossings::{Place, opposite_crossings};
 use super::series::{Series, is_flat};
 use super::start::{away_from_critical_point, forward};
 use super::state::{CriticalKind, CriticalPoint, ExpansionPoint};
+use super::unstable_modes::UnstableModes;
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
 use crate::norm::larger;
@@ -45,6 +47,8 @@ pub struct Start {
     directions: Directions,
     /// Negative pivots of the tangent.
     negative: usize,
+    /// Eigenvectors of its negative eigenvalues, where they are known.
+    unstable: Option<UnstableModes>,
 }
 
 impl Start {
@@ -67,7 +71,7 @@ impl Start {
             Some(_) if at_start && options.end_load > 0.0 => system.path_before.direction.clone(),
             _ => point.direction,
         };
-        Ok(Self { point: ExpansionPoint { direction, ..point }, directions, negative })
+        Ok(Self { point: ExpansionPoint { direction, ..point }, directions, negative, unstable: None })
     }
 
     /// Start next to a critical point, at which a path begins, in a direction.
@@ -87,7 +91,8 @@ impl Start {
         let Branch { u, load, negative } = onto_branch(system, expansion, at, (direction, options.end_load))?;
         let directions = expansion.directions(system, &u, load)?;
         let direction = direction.to_vec();
-        Ok(Self { point: ExpansionPoint { u, load, direction, ..point }, directions, negative })
+        let point = ExpansionPoint { u, load, direction, ..point };
+        Ok(Self { point, directions, negative, unstable: None })
     }
 
     /// The expansion point.
@@ -143,7 +148,8 @@ impl Piece {
         (start, beside_bifurcation): (Start, bool),
         options: &PathAnalysis,
     ) -> Result<Self, NoPiece> {
-        let Start { point, directions, negative } = start;
+        let Start { point, directions, negative, unstable } = start;
+        let unstable = unstable.or_else(|| expansion.unstable_modes(system, negative));
         let at = (point.u.as_slice(), point.load, directions);
         let mut series = expansion.series(system, at, (&point.direction, point.expected), options)?;
         // The search for bifurcations finds those that the extracted series tell.
@@ -156,26 +162,10 @@ impl Piece {
         let end = usable_end(system, expansion, &series, (length, most, end_of_path.is_some()))?;
         let mut end_load = end_of_path.map(|_| options.end_load).filter(|_| end.length == length);
         length = end.length;
+        let unstable = [unstable, expansion.unstable_modes(system, end.negative)];
         let at_end = expansion.factorizations();
-        let mut critical = if beside_bifurcation && is_flat(&series, length) && end.negative == negative {
-            // Behind it the load of a crossing path is constant, but for round-off.
-            Vec::new()
-        } else {
-            limit_points(system, expansion, &series, length)
-        };
-        for crossing in critical.iter().filter(|found| found.is_passed_along_mode()) {
-            refuse_fold(system, expansion, &series, (crossing, length))?;
-        }
-        let explained: i32 = critical.iter().map(|found| found.point.change).sum();
-        let unexplained = end.negative as i32 - negative as i32 - explained;
-        if unexplained != 0 {
-            let limits: Vec<(f64, i32)> =
-                critical.iter().map(|found| (found.a, found.point.change)).collect();
-            let mut curve = SeriesCurve { system, expansion, series: &series };
-            let more = bifurcations(&mut curve, length, (negative, unexplained), &limits)?;
-            critical.extend(more);
-            critical.sort_by(|p, q| p.a.total_cmp(&q.a));
-        }
+        let places = [(0.0, negative, &unstable[0]), (length, end.negative, &unstable[1])];
+        let mut critical = critical_points(system, expansion, &series, (beside_bifurcation, places))?;
         let mut branch = None;
         if let Some((found, sign)) = switched(&critical, point.bifurcations, &options.switch_at) {
             let at = (found.point.u.as_slice(), found.point.load);
@@ -189,6 +179,7 @@ impl Piece {
             // The tangent at the end serves the next piece.
             expansion.factor(system, &end.u, end.load)?;
         }
+        let [_, at_the_end] = unstable;
         let last = end_load.and_then(|load| end.at_load(system, expansion, load));
         let run_out = point.number + 1 >= options.max_steps && end_load.is_none();
         let points = points(system, &series, (length, options.points), &critical);
@@ -208,11 +199,11 @@ impl Piece {
             next: None,
         };
         piece.next = Some(match branch {
-            None => piece.going_on(end),
+            None => piece.going_on(end, at_the_end),
             Some((Branch { u, load, negative }, direction)) => {
                 let directions = expansion.directions(system, &u, load)?;
                 let point = ExpansionPoint { u, load, direction, ..piece.behind() };
-                Start { point, directions, negative }
+                Start { point, directions, negative, unstable: None }
             }
         });
         Ok(piece)
@@ -272,11 +263,15 @@ impl Piece {
     }
 
     /// Start of the next piece at the end of this one.
-    fn going_on(&self, End { u, load, directions, negative, .. }: End) -> Start {
+    fn going_on(
+        &self,
+        End { u, load, directions, negative, .. }: End,
+        unstable: Option<UnstableModes>,
+    ) -> Start {
         let mut direction = self.series.u.clone();
         self.series.direction(self.length, &mut direction);
         let point = ExpansionPoint { u, load, direction, expected: self.length, ..self.behind() };
-        Start { point, directions, negative }
+        Start { point, directions, negative, unstable }
     }
 
     /// Counts behind the piece.
@@ -307,6 +302,51 @@ impl Piece {
         let passed = self.critical.iter().filter(|point| point.position <= position);
         (self.negative as i32 + passed.map(|point| point.change).sum::<i32>()).max(0) as usize
     }
+}
+
+/// Parameter of an end of a piece, negative eigenvalues of the tangent there, and their eigenvectors where they are known.
+type Counted<'a> = (f64, usize, &'a Option<UnstableModes>);
+
+/// Critical points of a piece between its ends; the tangent that is factored afterwards may be another one.
+///
+/// # Errors
+/// A bifurcation was not located, or a crossing is a fold of another path; the text gives the reason.
+fn critical_points(
+    system: &System,
+    expansion: &mut Expansion,
+    series: &Series,
+    (beside_bifurcation, places): (bool, [Counted; 2]),
+) -> Result<Vec<Found>, String> {
+    let [(_, negative, _), last] = places;
+    let length = last.0;
+    let mut critical = if beside_bifurcation && is_flat(series, length) && last.1 == negative {
+        // Behind it the load of a crossing path is constant, but for round-off.
+        Vec::new()
+    } else {
+        limit_points(system, expansion, series, length)
+    };
+    for crossing in critical.iter().filter(|found| found.is_passed_along_mode()) {
+        refuse_fold(system, expansion, series, (crossing, length))?;
+    }
+    let explained: i32 = critical.iter().map(|found| found.point.change).sum();
+    let unexplained = last.1 as i32 - negative as i32 - explained;
+    if unexplained != 0 {
+        let limits: Vec<(f64, i32)> = critical.iter().map(|found| (found.a, found.point.change)).collect();
+        let mut curve = SeriesCurve { system, expansion, series };
+        let more = bifurcations(&mut curve, length, (negative, unexplained), &limits)?;
+        critical.extend(more);
+        critical.sort_by(|p, q| p.a.total_cmp(&q.a));
+    }
+    if let [Some(first), Some(last)] = places
+        .map(|(a, negative, modes)| modes.as_ref().map(|modes| Place { a, negative, modes: modes.clone() }))
+    {
+        let known: Vec<(f64, i32)> = critical.iter().map(|found| (found.a, found.point.change)).collect();
+        let mut curve = SeriesCurve { system, expansion, series };
+        // Where a trial fails, the known points stand.
+        critical.extend(opposite_crossings(system, &mut curve, [first, last], &known).unwrap_or_default());
+        critical.sort_by(|p, q| p.a.total_cmp(&q.a));
+    }
+    Ok(critical)
 }
 
 /// End of a piece, where the tangent is factored.

@@ -125,6 +125,7 @@ impl<'a> SeriesSteps<'a> {
         }
         path.direction.resize(state.u.len(), [0.0; 3]);
         piece.series().direction(a, &mut path.direction);
+        path.load_rate = piece.series().load_derivative(a, 1);
         path.loads = [path.loads[0].min(state.time), larger(path.loads[1], state.time)];
         for found in piece.passed(from, path.position) {
             path.pass((system, options), found, piece.negative_at(found.position), observer);

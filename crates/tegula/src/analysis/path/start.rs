@@ -4,7 +4,7 @@ use crate::analysis::{State, equilibrium};
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
 use crate::norm::larger;
-use crate::system::{Assembly, System, add_multiple};
+use crate::system::{Assembly, PathBefore, System, add_multiple};
 
 /// Unbalanced force over the forces with which a path does not begin, and over the loads and the stiffness times the size of the model, below
 /// which it is round-off.
@@ -53,12 +53,13 @@ pub fn away_from_critical_point<'s>(system: &'s System, options: &PathAnalysis) 
 }
 
 /// Whether a direction in which the load factor rises goes on (true) or back along the path of the step before, which has ended at a critical point or behind
-/// one; `None` where it does neither.
+/// one; `None` where it does neither, and where rising loads lead back along a path on which they rose: those of this step relieve the others.
 pub fn forward(system: &System, rising: &[Nodal]) -> Option<bool> {
-    let before = &system.path_before.direction;
+    let PathBefore { direction: before, rises, .. } = &system.path_before;
     if before.is_empty() {
         return None;
     }
     let product = system.inner_product(before, rising);
-    (product.abs() > CONTINUES * system.norm(before) * system.norm(rising)).then_some(product > 0.0)
+    let is_along = product.abs() > CONTINUES * system.norm(before) * system.norm(rising);
+    (is_along && !(*rises && product < 0.0)).then_some(product > 0.0)
 }

@@ -139,6 +139,9 @@ pub struct PathState {
     /// Direction of power series at the state; empty for arc-length steps, and before the first step.
     #[serde(default)]
     pub direction: Vec<Nodal>,
+    /// Derivative of the load factor of power series along it; 0 for arc-length steps, and before the first step.
+    #[serde(default)]
+    pub load_rate: f64,
     /// Critical points passed so far.
     pub critical: Vec<CriticalPoint>,
     /// Least and largest load factor so far.
@@ -157,6 +160,7 @@ impl PathState {
         let direction = self.arc.as_ref().map_or(&self.direction, |arc| &arc.tangent.direction).clone();
         PathBefore {
             direction,
+            rises: self.arc.as_ref().map_or(self.load_rate, |arc| arc.tangent.load) > 0.0,
             at_critical_point: end.is_some(),
             change: end.map_or(0, |point| point.change),
         }

@@ -4,6 +4,7 @@ use super::{State, enhanced};
 use crate::analysis::modal::is_preloaded;
 use crate::analysis::newton::{Cause, Diverged, SoftestMode};
 use crate::analysis::path;
+use crate::analysis::solver::SINGULAR;
 use crate::element::Nodal;
 use crate::model::{LinearSolver, NewtonMethod, PathAnalysis, StaticAnalysis};
 use crate::system::{System, VectorKind, dot};
@@ -115,6 +116,19 @@ impl Failure {
             "the equilibrium path from the last equilibrium has a limit point at load factor {load:.6}"
         );
         Self::new(Kind::Leap, reason, 1)
+    }
+
+    /// Failure at a critical point of the equilibrium path, where this one is a singular tangent behind equilibria with regular ones.
+    pub fn of_singular_equilibrium(&self, state: &State) -> Option<Self> {
+        if self.kind != Kind::Iteration(Cause::Tangent) || self.reason != SINGULAR || state.step == 0 {
+            return None;
+        }
+        let reason = format!(
+            "the tangent is singular at or just behind load factor {:.6}, and regular at smaller loads: a limit point or bifurcation \
+             point (buckling) is there",
+            state.time
+        );
+        Some(Self::new(Kind::Unstable, reason, 0))
     }
 
     /// Whether the other form of Newton's method may find an equilibrium where this one has found none.

@@ -6,6 +6,7 @@ mod judgement;
 use super::continued::on_path;
 use super::failure::{CriticalPoint, Failure, Kind, name};
 use super::{StaticEquation, energies, equilibrium_step, reactions, undefined};
+use crate::analysis::bending_watch::BendingWatch;
 use crate::analysis::drilling::DrillingWatch;
 use crate::analysis::mobility;
 use crate::analysis::newton::{Cause, Converged, Newton, Tolerances};
@@ -70,6 +71,7 @@ pub(super) struct LoadSteps<'a, S> {
     /// Reactions at the last equilibrium; empty where no motion is prescribed.
     reactions: Vec<Nodal>,
     drilling: DrillingWatch,
+    bending: BendingWatch,
     /// Tangents factored along equilibrium paths that are no results.
     factorizations_on_paths: u64,
     /// Load factor at the next limit point of the path, where it is known; no load step passes it.
@@ -124,6 +126,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             external: vec![[0.0; 3]; system.vectors()],
             reactions: if moved { reactions(system, &mut newton.assembly, &state) } else { Vec::new() },
             drilling: DrillingWatch::new(),
+            bending: BendingWatch::new(),
             factorizations_on_paths: 0,
             limit_on_path: None,
             goes_on: false,
@@ -267,6 +270,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         state.displacement_scale = state.displacement_scale.max(system.norm(&state.u));
         let at = (state.u.as_slice(), state.time);
         self.drilling.look(system, at, observer, || format!("load factor {target}"));
+        self.bending.look(system, at.0, observer, || format!("load factor {target}"));
     }
 
     /// Whether a step is not cut back any more.
@@ -303,6 +307,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let rounding =
             self.negative_pivots_at_rest(failure).map(|pivots| Failure::of_rounding(self.system, pivots));
         let failure = rounding.as_ref().unwrap_or(failure);
+        let singular = failure.of_singular_equilibrium(&self.state);
+        let failure = singular.as_ref().unwrap_or(failure);
         let free = mobility::free_motions(self.system, &self.state, None);
         if !free.is_empty() {
             return of_mechanism(&self.state, target, (&free, failure));

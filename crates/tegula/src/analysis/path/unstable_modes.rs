@@ -1,0 +1,117 @@
+//! Eigenvectors of a tangent with negative eigenvalues, by the block Lanczos method about zero.
+
+use nalgebra::DMatrix;
+use tegula_sparse::lanczos::{BlockLanczos, SymmetricOperator};
+
+use super::critical_points::normalize;
+use crate::element::Nodal;
+use crate::system::{LocalFrames, System};
+
+/// Largest number of basis vectors, and of negative eigenvalues, for which the eigenvectors are looked for.
+const MOST_VECTORS: usize = 80;
+const MOST_NEGATIVE: usize = 20;
+/// Block of the Lanczos method, which finds so many equal eigenvalues at once.
+const BLOCK: usize = 2;
+/// Residual of an eigenvector over its eigenvalue, which is enough to tell it from others.
+const RESIDUAL: f64 = 1e-3;
+/// Cosine of the largest angle between spaces of eigenvectors, up to which a direction lies in both.
+const SHARED: f64 = 0.5;
+
+/// Orthonormal eigenvectors of all negative eigenvalues of a tangent, in the metric of [`System::norm`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct UnstableModes(Vec<Vec<Nodal>>);
+
+/// Inverse of a tangent as an operator on its free degrees of freedom.
+struct Inverse<'a> {
+    system: &'a System,
+    frames: &'a LocalFrames,
+    /// Solution with the factored tangent in place of the right side.
+    solve: &'a mut dyn FnMut(&mut [f64]) -> Result<(), String>,
+    failed: bool,
+}
+
+impl SymmetricOperator for Inverse<'_> {
+    fn size(&self) -> usize {
+        self.system.unknowns()
+    }
+
+    fn apply(&mut self, m_x: &[f64], out: &mut [f64]) {
+        out.copy_from_slice(m_x);
+        self.failed |= (self.solve)(out).is_err();
+    }
+
+    fn inner(&self, x: &[f64], out: &mut [f64]) {
+        let mut field = vec![[0.0; 3]; self.system.vectors()];
+        self.frames.expand(x, &mut field);
+        self.system.apply_metric(&mut field);
+        self.frames.reduce(&field, out);
+    }
+
+    fn stopped(&self) -> bool {
+        self.failed
+    }
+}
+
+impl UnstableModes {
+    /// Eigenvectors of a tangent with this number of negative eigenvalues, from solutions with its factor; `None` where they are not found.
+    pub fn of(
+        system: &System,
+        frames: &LocalFrames,
+        negative: usize,
+        solve: &mut dyn FnMut(&mut [f64]) -> Result<(), String>,
+    ) -> Option<Self> {
+        if negative == 0 {
+            return Some(Self(Vec::new()));
+        }
+        if negative > MOST_NEGATIVE {
+            return None;
+        }
+        let mut operator = Inverse { system, frames, solve, failed: false };
+        let mut lanczos = BlockLanczos::new(&mut operator, BLOCK);
+        loop {
+            let added = lanczos.expand(&mut operator);
+            if operator.failed {
+                return None;
+            }
+            let values = lanczos.ritz_values();
+            let found = values.iter().filter(|(value, residual)| *value < 0.0 && *residual <= RESIDUAL);
+            if found.count() >= negative {
+                break;
+            }
+            if added == 0 || lanczos.len() >= MOST_VECTORS {
+                return None;
+            }
+        }
+        let pairs = lanczos.ritz_pairs(lanczos.len());
+        let negative_ones = pairs.into_iter().filter(|pair| pair.value < 0.0 && pair.residual <= RESIDUAL);
+        let field = |x: &[f64]| {
+            let mut field = vec![[0.0; 3]; system.vectors()];
+            frames.expand(x, &mut field);
+            normalize(system, &mut field);
+            field
+        };
+        let modes: Vec<Vec<Nodal>> = negative_ones.map(|pair| field(&pair.vector)).collect();
+        (modes.len() == negative).then_some(Self(modes))
+    }
+
+    /// Number of directions that belong to the spaces of both.
+    pub fn shared(&self, system: &System, other: &Self) -> usize {
+        if self.0.is_empty() || other.0.is_empty() {
+            return 0;
+        }
+        self.cosines(system, other).singular_values().iter().filter(|cosine| **cosine > SHARED).count()
+    }
+
+    /// Inner products of the modes.
+    fn cosines(&self, system: &System, other: &Self) -> DMatrix<f64> {
+        DMatrix::from_fn(self.0.len(), other.0.len(), |i, j| system.inner_product(&self.0[i], &other.0[j]))
+    }
+
+    /// The mode that lies least in the space of others.
+    pub fn farthest_from(&self, system: &System, other: &Self) -> Option<&[Nodal]> {
+        let cosines = self.cosines(system, other);
+        let part = |i: &usize| cosines.row(*i).norm();
+        let farthest = (0..self.0.len()).min_by(|i, j| part(i).total_cmp(&part(j)))?;
+        self.0.get(farthest).map(Vec::as_slice)
+    }
+}
