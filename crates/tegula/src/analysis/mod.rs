@@ -19,6 +19,7 @@ pub mod statics;
 pub mod stepper;
 pub mod stop_condition;
 pub mod stops;
+mod unstable_modes;
 
 use serde::{Deserialize, Serialize};
 

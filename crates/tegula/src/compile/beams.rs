@@ -64,7 +64,8 @@ fn section_values(data: &Beam, model: &Model, key: &str, c: &mut Checker) {
             section.size.iter().for_each(|x| c.positive(&place, "a side of the section", *x));
             c.positive(&place, "the thickness of the walls", section.thickness);
             if !(2.0 * section.thickness < section.size[0].min(section.size[1])) {
-                let message = "the walls fill the section: twice their thickness is not below the smaller side";
+                let message =
+                    "the walls fill the section: twice their thickness is not below the smaller side";
                 c.add(place.as_str(), message, "give a smaller `thickness`, or a `rectangle`");
             }
         }

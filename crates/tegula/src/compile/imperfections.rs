@@ -103,7 +103,9 @@ fn without_effect(
     if used.map(|node| (moved(node) - first).norm()).fold(0.0, larger) <= SAME * size {
         return Some("it moves all nodes alike, and leaves the shape as it is: look at its direction".into());
     }
-    let Imperfection::Random(RandomImperfection { correlation_length, .. }) = imperfection else { return None };
+    let Imperfection::Random(RandomImperfection { correlation_length, .. }) = imperfection else {
+        return None;
+    };
     let edges = mesh.quads.iter().flat_map(|quad| (0..4).map(|i| [quad[i], quad[(i + 1) % 4]]));
     let length = |[a, b]: [u32; 2]| (mesh.positions[a as usize] - mesh.positions[b as usize]).norm();
     let (sum, count) = edges.map(length).fold((0.0, 0.0), |(sum, count), l| (sum + l, count + 1.0));

@@ -2,7 +2,9 @@
 
 use std::f64::consts::PI;
 
-use crate::model::{BeamSection, BoxSection, CircularSection, Isotropic, RectangularSection, SectionConstants};
+use crate::model::{
+    BeamSection, BoxSection, CircularSection, Isotropic, RectangularSection, SectionConstants,
+};
 
 /// Terms of the series for the torsion of a rectangle: the first one that is left out is below 1e-12.
 const TERMS: u32 = 200;
@@ -110,7 +112,10 @@ mod tests {
         // The first side is that along axis 1: it counts in the bending about axis 2.
         let flat = BeamSection::Box(BoxSection { size: [200.0, 50.0], thickness: 2.0 });
         let found = constants(&flat, Some(&material)).unwrap();
-        assert!(found.bending[1] > 4.0 * found.bending[0] && found.shear[0] > 3.0 * found.shear[1], "{found:?}");
+        assert!(
+            found.bending[1] > 4.0 * found.bending[0] && found.shear[0] > 3.0 * found.shear[1],
+            "{found:?}"
+        );
     }
 
     #[test]

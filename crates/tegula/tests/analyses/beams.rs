@@ -309,8 +309,14 @@ fn an_end_moment_rolls_a_beam_up_to_a_circle() {
 /// elements the end is within 2 %, without a warning.
 #[test]
 fn a_beam_of_few_elements_that_bends_far_is_warned_of() {
-    let constants =
-        SectionConstants { axial: 1e6, shear: [1e6; 2], bending: [100.0; 2], torsion: 80.0, mass: 1.0, inertia: [1e-4; 2] };
+    let constants = SectionConstants {
+        axial: 1e6,
+        shear: [1e6; 2],
+        bending: [100.0; 2],
+        torsion: 80.0,
+        mass: 1.0,
+        inertia: [1e-4; 2],
+    };
     let moment = std::f64::consts::PI * 100.0 / 10.0;
     for (elements, warned) in [(8, true), (32, false)] {
         let section = BeamSection::Constants(constants);
@@ -323,7 +329,8 @@ fn a_beam_of_few_elements_that_bends_far_is_warned_of() {
         let outcome = statics::run(&system, &StaticAnalysis::default(), None, &mut notes).unwrap();
         let told = |w: &String| w.contains("element of the beam \"rod\"") && w.contains("too small by about");
         assert_eq!(notes.warnings.iter().any(told), warned, "{:?}", notes.warnings);
-        let error = (place(&system, &outcome.state, "rod.end").norm() * std::f64::consts::PI / 20.0 - 1.0).abs();
+        let error =
+            (place(&system, &outcome.state, "rod.end").norm() * std::f64::consts::PI / 20.0 - 1.0).abs();
         assert_eq!(error > 0.1, warned, "{error}");
     }
 }

@@ -402,7 +402,8 @@ fn a_motion_goes_on_from_that_of_the_base_state() {
     m.steps[0].conditions = vec![guided("u_max", &[Axis::X])];
     m.steps[1].conditions = vec![moved("u_max", -0.5 * critical)];
     let error = last_step(&m).unwrap_err().to_string();
-    let named = error.contains("steps[1].conditions[0]") && error.contains("which steps[0].conditions[0] supports");
+    let named =
+        error.contains("steps[1].conditions[0]") && error.contains("which steps[0].conditions[0] supports");
     assert!(named, "{error}");
 }
 

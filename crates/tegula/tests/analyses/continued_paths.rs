@@ -1,8 +1,8 @@
 //! Analyses that go on where loads have a limit: statics along the path, and steps behind paths that end anywhere.
 
+use crate::arches::{arch, critical_loads};
 use crate::common::{Notes, compile, vector_load};
 use crate::multibody::{axis_joint, spring};
-use crate::arches::{arch, critical_loads};
 use crate::paths::roof;
 use tegula::Vec3;
 use tegula::analysis::path::{self, CriticalKind};

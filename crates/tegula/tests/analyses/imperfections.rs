@@ -165,7 +165,9 @@ fn imperfections_without_effect_are_warned_of() {
         let mut notes = Notes::default();
         imperfect_mesh(&m, &nominal, &mut notes).unwrap().unwrap();
         match reason {
-            Some(reason) => assert!(notes.warnings.iter().any(|w| w.contains(reason)), "{:?}", notes.warnings),
+            Some(reason) => {
+                assert!(notes.warnings.iter().any(|w| w.contains(reason)), "{:?}", notes.warnings)
+            }
             None => assert!(notes.warnings.is_empty(), "{:?}", notes.warnings),
         }
     }

@@ -1,7 +1,7 @@
 //! Paths that go over to the other path at a bifurcation, or begin at one, on the pinned arch of symmetry.
 
-use crate::common::{Notes, compile, vector_load};
 use crate::arches::{arch, critical_loads};
+use crate::common::{Notes, compile, vector_load};
 use tegula::analysis::State;
 use tegula::analysis::path::{self, CriticalKind, PathOutcome};
 use tegula::compile::Compiler;

@@ -66,13 +66,15 @@ fn a_disc_on_an_elastic_hub_whirls_as_the_rotor_of_jeffcott() {
 /// Dampers have no part in these modes; a warning says so.
 #[test]
 fn dampers_of_a_rotor_are_warned_of() {
-    let mut model = Model::of_bodies(modal(6, true), vec![body("disc", [0.0; 3], 2.0, Some([0.3, 0.3, 0.5]))], vec![]);
+    let mut model =
+        Model::of_bodies(modal(6, true), vec![body("disc", [0.0; 3], 2.0, Some([0.3, 0.3, 0.5]))], vec![]);
     model.loads = vec![turning([0.0, 0.0, 1.0], 7.0, Ground::Turns)];
     for damping in [None, Some([5.0; 6])] {
         let stiffness = Some([800.0, 800.0, 4000.0, 300.0, 300.0, 1200.0]);
         model.bushings = vec![Bushing { stiffness, damping, ..hub() }];
         let mut notes = Notes::default();
-        let system = tegula::compile::build(&model, &mesh::generators::generate(&model.mesh).unwrap()).unwrap();
+        let system =
+            tegula::compile::build(&model, &mesh::generators::generate(&model.mesh).unwrap()).unwrap();
         let about = modal::prestress(&system, &mut Silent).unwrap().state;
         modal::run(&system, 6, Some(&about), &mut notes).unwrap();
         let told = notes.warnings.iter().any(|w| w.contains("leave dampers"));

@@ -120,7 +120,9 @@ pub(super) fn consistent_velocities(
         ));
     }
     let before = system.kinetic_energy(&state.v);
-    let Some([changed, size]) = project_velocities(system, newton, state)? else { return Ok(Messages::default()) };
+    let Some([changed, size]) = project_velocities(system, newton, state)? else {
+        return Ok(Messages::default());
+    };
     agreed(system, newton, state, Order::First)?;
     super::joint_events::JointEvents::start(system, state)?;
     if let Some(constraints) = newton.constraints.as_mut().filter(|_| !state.coordinates.is_empty()) {
@@ -162,7 +164,11 @@ impl Messages {
                  energy), which goes from {before:.6e} to {after:.6e}",
                 100.0 * changed / size
             );
-            if changed > LARGE_CHANGE * size { self.warnings.push(message) } else { self.events.push(message) }
+            if changed > LARGE_CHANGE * size {
+                self.warnings.push(message)
+            } else {
+                self.events.push(message)
+            }
         }
     }
 }

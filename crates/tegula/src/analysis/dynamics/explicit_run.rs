@@ -1,10 +1,10 @@
 //! Driver of an explicit analysis: its step length, its reports, and when it ends.
 
 use super::amplitude_check::AmplitudeCheck;
+use super::constrained_start::Messages;
 use super::critical_step::CriticalStep;
 use super::energy_watch::{SuppliedEnergy, is_round_off};
 use super::explicit::Explicit;
-use super::constrained_start::Messages;
 use super::explicit_start;
 use super::fibre_watch::FibreWatch;
 use super::step_end::StepEnds;

@@ -298,7 +298,17 @@ impl<'a> TimeSteps<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Attempt> {
         let Self {
-            system, scheme, newton, state, statistics, control, drilling, bending, events, old_velocities, ..
+            system,
+            scheme,
+            newton,
+            state,
+            statistics,
+            control,
+            drilling,
+            bending,
+            events,
+            old_velocities,
+            ..
         } = self;
         if !events.is_empty() {
             // A flight much shorter than a step is the end of an infinite number of impacts.

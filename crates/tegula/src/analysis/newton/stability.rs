@@ -5,6 +5,7 @@ use super::{Constraints, Newton, expand_free};
 use crate::analysis::circulatory::{CirculatoryLoads, Purpose};
 use crate::analysis::solver::TangentSolver;
 use crate::analysis::statics::StaticEquation;
+use crate::analysis::unstable_modes::UnstableModes;
 use crate::element::Nodal;
 use crate::system::System;
 use tegula_sparse::gmres::{Gmres, noise};
@@ -130,6 +131,23 @@ impl<S: TangentSolver> Newton<S> {
             loads.transpose(false);
         }
         found
+    }
+
+    /// Eigenvectors of the negative eigenvalues of the symmetric tangent factored last, on the constraints of joints, whose number is given: those of an
+    /// earlier equilibrium where they have stayed (true), or new ones (false). `None` where they are not found.
+    pub(in crate::analysis) fn unstable_modes(
+        &mut self,
+        system: &System,
+        negative: usize,
+        before: Option<&UnstableModes>,
+    ) -> Option<(UnstableModes, bool)> {
+        let mut linear = self.linear_system();
+        let frames = linear.frames;
+        let mut solve = |x: &mut [f64]| linear.solve_at_rest(x);
+        if let Some(same) = before.and_then(|modes| modes.followed(system, frames, negative, &mut solve)) {
+            return Some((same, true));
+        }
+        Some((UnstableModes::of(system, frames, negative, &mut solve)?, false))
     }
 
     /// Inverse iteration with the whole tangent where it has a `purpose`, else with the symmetric part.

@@ -9,6 +9,7 @@
 //! steps, so that a run can be resumed anywhere.
 
 mod inside_step;
+mod opposite;
 mod switching;
 mod without_potential;
 
@@ -24,6 +25,7 @@ use crate::analysis::potential::{Place, have_potential};
 use crate::analysis::solver::TangentSolver as _;
 use crate::analysis::statics::{self, StaticEquation, equilibrium_step, reactions};
 use crate::analysis::stepper::Reached;
+use crate::analysis::unstable_modes::UnstableModes;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched, equilibrium};
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
@@ -89,6 +91,8 @@ pub struct ArcLengthSteps<'a> {
     /// Reactions at the last equilibrium; empty where no motion is prescribed.
     reactions: Vec<Nodal>,
     force: Vec<Nodal>,
+    /// Unstable modes of the last equilibrium, where they are known.
+    unstable: Option<UnstableModes>,
 }
 
 /// End of a step, an equilibrium on the path.
@@ -108,6 +112,8 @@ struct Outcome {
     /// Negative eigenvalues at the start of the step.
     negative: usize,
     critical: Vec<Found>,
+    /// Unstable modes at the end, where they are known.
+    unstable: Option<UnstableModes>,
     /// Length of the next step.
     length: f64,
 }
@@ -139,6 +145,7 @@ impl<'a> ArcLengthSteps<'a> {
             },
             response: LoadResponse::new(system),
             force: vec![[0.0; 3]; system.vectors()],
+            unstable: None,
             earlier: 0,
             limit: f64::INFINITY,
             newton,
@@ -287,7 +294,9 @@ impl<'a> ArcLengthSteps<'a> {
         [length, planned]: [f64; 2],
         observer: &mut dyn Observer,
     ) -> std::result::Result<Outcome, String> {
+        self.find_modes_at_start(&arc.tangent);
         let mut end = self.equilibrium_at(&arc.tangent, length, observer)?;
+        let (unstable, whole) = (self.modes_at_end(&end), end.a);
         let departures = [self.departure(arc, &end)?, self.load_departure(arc, &end)];
         let excess = larger(departures[0] / DEPARTURE[0], departures[1] / DEPARTURE[1]);
         if excess > MOST_EXCESS {
@@ -358,8 +367,12 @@ impl<'a> ArcLengthSteps<'a> {
         }
         let all = Explained { limits: &critical, negative, sign, crossings, has_potential };
         let found = self.other_bifurcations(&all, (arc, &mut known), &end, observer)?;
-        if !found.is_empty() {
+        let unstable = unstable.filter(|_| end.a == whole);
+        let opposite =
+            self.opposite_bifurcations(&critical, &found, (arc, &mut known), (&end, &unstable), observer);
+        if !found.is_empty() || !opposite.is_empty() {
             critical.extend(found);
+            critical.extend(opposite);
             critical.sort_by(|p, q| p.a.total_cmp(&q.a));
             self.gets_away(&critical)?;
         }
@@ -367,11 +380,12 @@ impl<'a> ArcLengthSteps<'a> {
             let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), &end));
             if let Some(end) = self.go_over(arc, known, &mut critical, observer)? {
                 let length = (ON_BRANCH * branch::FIRST).min(planned);
-                return Ok(Outcome { end, negative, critical, length });
+                return Ok(Outcome { end, negative, critical, unstable: None, length });
             }
             self.end_inside(arc, known, (&mut critical, negative), &mut end, observer)?;
         }
-        Ok(Outcome { end, negative, critical, length: next })
+        let unstable = unstable.map(|(modes, _)| modes).filter(|_| end.a == whole);
+        Ok(Outcome { end, negative, critical, unstable, length: next })
     }
 
     /// Whether a step in a direction leads away from a bifurcation at its load factor along the crossing path, on which the loads do hardly any work
@@ -459,7 +473,8 @@ impl<'a> ArcLengthSteps<'a> {
 
     /// Makes the end of a step the state.
     fn accept(&mut self, outcome: Outcome, observer: &mut dyn Observer) {
-        let Outcome { end, negative, critical, length } = outcome;
+        let Outcome { end, negative, critical, unstable, length } = outcome;
+        self.unstable = unstable;
         let Self { newton, system, state, equation, options, .. } = self;
         if state.step == 0 {
             let redundant = newton.constraints.iter().flat_map(|constraints| constraints.redundant(system));
@@ -561,6 +576,7 @@ impl Stepper for ArcLengthSteps<'_> {
     fn repeat(&mut self, start: &State, end: f64) {
         let Self { newton, system, state, reactions: forces, .. } = self;
         state.clone_from(start);
+        self.unstable = None;
         if !forces.is_empty() {
             *forces = reactions(system, &mut newton.assembly, state);
         }

@@ -7,8 +7,8 @@
 //! A path that passes the bifurcation as the crossing one goes along φ itself: its load factor has an extremum there. The other path
 //! is then the primary one, and ψ, the response to the loads without its part along φ, stands in the place of φ.
 
-use super::critical_points::normalize;
 use super::expansion::{Directions, Expansion};
+use crate::analysis::unstable_modes::normalize;
 use crate::element::Nodal;
 use crate::system::{System, add_multiple};
 

@@ -9,6 +9,7 @@ use super::expansion::Expansion;
 use super::opposite_crossings::{CurveWithModes, Unstable};
 use super::series::{Series, roots};
 use super::state::{CriticalKind, CriticalPoint};
+use crate::analysis::unstable_modes::normalize;
 use crate::element::Nodal;
 use crate::norm::larger;
 use crate::system::{EvaluationPoint, System, dot};
@@ -424,12 +425,4 @@ fn secant(known: &[Known]) -> Option<f64> {
     let [.., p, q] = known else { return None };
     let a = q.a - q.eigenvalue * (q.a - p.a) / (q.eigenvalue - p.eigenvalue);
     (p.eigenvalue != q.eigenvalue).then_some(a)
-}
-
-/// Scales a mode to unit norm.
-pub fn normalize(system: &System, mode: &mut [Nodal]) {
-    let norm = system.norm(mode);
-    if norm > 0.0 {
-        mode.as_flattened_mut().iter_mut().for_each(|x| *x /= norm);
-    }
 }

@@ -14,12 +14,12 @@
 //!
 //! B. Cochelin, N. Damil, M. Potier-Ferry, *Méthode asymptotique numérique*, Hermes-Lavoisier, 2007.
 
-use super::critical_points::normalize;
 use super::series::Series;
-use crate::analysis::newton::NOTHING_MOVES;
-use super::unstable_modes::UnstableModes;
 use crate::Result;
+use crate::analysis::newton::NOTHING_MOVES;
 use crate::analysis::solver::{self, Linearization, TangentSolver as _};
+use crate::analysis::unstable_modes::UnstableModes;
+use crate::analysis::unstable_modes::normalize;
 use crate::element::power_series::KnownOrders;
 use crate::element::{Nodal, TangentWeights};
 use crate::model::PathAnalysis;
@@ -203,6 +203,17 @@ impl Expansion {
     pub fn unstable_modes(&mut self, system: &System, negative: usize) -> Option<UnstableModes> {
         let Self { solver, assembly, .. } = self;
         UnstableModes::of(system, &assembly.frames, negative, &mut |x| solver.solve_tangent(x))
+    }
+
+    /// Unstable modes of an earlier equilibrium at that of the factored tangent: [`UnstableModes::followed`].
+    pub fn followed(
+        &mut self,
+        system: &System,
+        modes: &UnstableModes,
+        negative: usize,
+    ) -> Option<UnstableModes> {
+        let Self { solver, assembly, .. } = self;
+        modes.followed(system, &assembly.frames, negative, &mut |x| solver.solve_tangent(x))
     }
 
     /// Series at a point of the path with its directions, whose tangent is factored. It goes on along the direction `before`, at the start

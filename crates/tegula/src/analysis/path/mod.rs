@@ -25,7 +25,6 @@ mod series;
 mod series_steps;
 mod start;
 mod state;
-mod unstable_modes;
 
 pub use arc_length::ArcLengthSteps;
 pub use series_steps::SeriesSteps;

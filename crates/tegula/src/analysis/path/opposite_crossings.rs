@@ -5,12 +5,15 @@
 
 use super::critical_points::{Curve, Found, bifurcations_between};
 use super::state::{CriticalKind, CriticalPoint};
-use super::unstable_modes::UnstableModes;
+use crate::analysis::unstable_modes::UnstableModes;
 use crate::element::Nodal;
 use crate::system::System;
 
 /// Part of the curve within which two opposite crossings need not be told apart.
 const TOGETHER: f64 = 1e-5;
+/// Part of the curve beside that place at which eigenvalues are compared with that at the place, and their ratio up to which it vanishes there.
+const BESIDE: f64 = 1e-2;
+const VANISHING: f64 = 0.05;
 /// Largest number of equilibria in the curve at which modes are looked for.
 const MOST_TRIALS: usize = 40;
 
@@ -75,7 +78,9 @@ pub fn opposite_crossings(
         let a = 0.5 * (low.a + high.a);
         let middle = curve.unstable(a)?;
         if high.a - low.a <= TOGETHER * length {
-            found.extend(pair(system, a, middle, [&low.modes, &high.modes]));
+            if vanishes(curve, a, length)? {
+                found.extend(pair(system, a, middle, [&low.modes, &high.modes]));
+            }
             continue;
         }
         let explained: i32 = known.iter().filter(|(at, _)| *at < a).map(|(_, change)| change).sum();
@@ -89,6 +94,18 @@ pub fn opposite_crossings(
         }
     }
     Ok(found)
+}
+
+/// Whether the eigenvalue next to zero vanishes at a place of a curve. Modes change also where an eigenvalue passes through infinity, as in a dead centre of
+/// a mechanism.
+///
+/// # Errors
+/// There is no equilibrium beside the place; the text gives the reason.
+fn vanishes(curve: &mut dyn CurveWithModes, a: f64, length: f64) -> Result<bool, String> {
+    let beside = [a - BESIDE * length, a + BESIDE * length].map(|at| at.clamp(0.0, length));
+    let mut eigenvalue = |at: f64| curve.trial(at).map(|trial| trial.softest.0.abs());
+    let (here, before, behind) = (eigenvalue(a)?, eigenvalue(beside[0])?, eigenvalue(beside[1])?);
+    Ok(here <= VANISHING * before.min(behind))
 }
 
 /// Bifurcations at one place, at which an unstable mode before becomes stable and another one behind unstable.

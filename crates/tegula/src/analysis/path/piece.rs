@@ -9,7 +9,7 @@ use super::opposite_crossings::{Place, opposite_crossings};
 use super::series::{Series, is_flat};
 use super::start::{away_from_critical_point, forward};
 use super::state::{CriticalKind, CriticalPoint, ExpansionPoint};
-use super::unstable_modes::UnstableModes;
+use crate::analysis::unstable_modes::UnstableModes;
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
 use crate::norm::larger;
@@ -162,10 +162,13 @@ impl Piece {
         let end = usable_end(system, expansion, &series, (length, most, end_of_path.is_some()))?;
         let mut end_load = end_of_path.map(|_| options.end_load).filter(|_| end.length == length);
         length = end.length;
-        let unstable = [unstable, expansion.unstable_modes(system, end.negative)];
+        let followed = unstable.as_ref().and_then(|modes| expansion.followed(system, modes, end.negative));
+        let changes = followed.is_none();
+        let unstable = [unstable, followed.or_else(|| expansion.unstable_modes(system, end.negative))];
         let at_end = expansion.factorizations();
         let places = [(0.0, negative, &unstable[0]), (length, end.negative, &unstable[1])];
-        let mut critical = critical_points(system, expansion, &series, (beside_bifurcation, places))?;
+        let mut critical =
+            critical_points(system, expansion, &series, ([beside_bifurcation, changes], places))?;
         let mut branch = None;
         if let Some((found, sign)) = switched(&critical, point.bifurcations, &options.switch_at) {
             let at = (found.point.u.as_slice(), found.point.load);
@@ -307,7 +310,8 @@ impl Piece {
 /// Parameter of an end of a piece, negative eigenvalues of the tangent there, and their eigenvectors where they are known.
 type Counted<'a> = (f64, usize, &'a Option<UnstableModes>);
 
-/// Critical points of a piece between its ends; the tangent that is factored afterwards may be another one.
+/// Critical points of a piece between its ends, at its start beside a bifurcation or not; unstable modes change in it or not. The tangent that is factored
+/// afterwards may be another one.
 ///
 /// # Errors
 /// A bifurcation was not located, or a crossing is a fold of another path; the text gives the reason.
@@ -315,7 +319,7 @@ fn critical_points(
     system: &System,
     expansion: &mut Expansion,
     series: &Series,
-    (beside_bifurcation, places): (bool, [Counted; 2]),
+    ([beside_bifurcation, changes], places): ([bool; 2], [Counted; 2]),
 ) -> Result<Vec<Found>, String> {
     let [(_, negative, _), last] = places;
     let length = last.0;
@@ -337,8 +341,10 @@ fn critical_points(
         critical.extend(more);
         critical.sort_by(|p, q| p.a.total_cmp(&q.a));
     }
-    if let [Some(first), Some(last)] = places
-        .map(|(a, negative, modes)| modes.as_ref().map(|modes| Place { a, negative, modes: modes.clone() }))
+    if changes
+        && let [Some(first), Some(last)] = places.map(|(a, negative, modes)| {
+            modes.as_ref().map(|modes| Place { a, negative, modes: modes.clone() })
+        })
     {
         let known: Vec<(f64, i32)> = critical.iter().map(|found| (found.a, found.point.change)).collect();
         let mut curve = SeriesCurve { system, expansion, series };

@@ -354,7 +354,7 @@ fn two_may_cross_zero(negative: [usize; 2], crossings: [usize; 2]) -> bool {
 }
 
 /// Path of an arc-length step.
-struct PathCurve<'s, 'a, 'o> {
+pub(super) struct PathCurve<'s, 'a, 'o> {
     pub steps: &'s mut ArcLengthSteps<'a>,
     pub known: &'s mut Known,
     pub observer: &'o mut dyn Observer,

@@ -87,7 +87,13 @@ impl ArcLengthSteps<'_> {
         self.go_back();
         let at = self.equation.clone();
         let end = self.beside(&at, direction.to_vec(), observer)?;
-        Ok(Outcome { negative: end.negative, critical: Vec::new(), length: ON_BRANCH * end.a, end })
+        Ok(Outcome {
+            negative: end.negative,
+            critical: Vec::new(),
+            unstable: None,
+            length: ON_BRANCH * end.a,
+            end,
+        })
     }
 
     /// Equilibrium beside another one, on the side of a direction.

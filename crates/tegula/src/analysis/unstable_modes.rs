@@ -1,11 +1,11 @@
-//! Eigenvectors of a tangent with negative eigenvalues, by the block Lanczos method about zero.
+//! Eigenvectors of a tangent with negative eigenvalues: by the block Lanczos method about zero, or by inverse iteration from those of an earlier
+//! equilibrium.
 
 use nalgebra::DMatrix;
 use tegula_sparse::lanczos::{BlockLanczos, SymmetricOperator};
 
-use super::critical_points::normalize;
 use crate::element::Nodal;
-use crate::system::{LocalFrames, System};
+use crate::system::{LocalFrames, System, add_multiple};
 
 /// Largest number of basis vectors, and of negative eigenvalues, for which the eigenvectors are looked for.
 const MOST_VECTORS: usize = 80;
@@ -16,10 +16,32 @@ const BLOCK: usize = 2;
 const RESIDUAL: f64 = 1e-3;
 /// Cosine of the largest angle between spaces of eigenvectors, up to which a direction lies in both.
 const SHARED: f64 = 0.5;
+/// Size of the part of a response across others, over it, above which it is independent of them.
+const INDEPENDENT: f64 = 1e-6;
 
 /// Orthonormal eigenvectors of all negative eigenvalues of a tangent, in the metric of [`System::norm`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnstableModes(Vec<Vec<Nodal>>);
+
+/// Orthonormal fields that span the same space, by the Gram–Schmidt process; `None` where they depend on each other.
+fn orthonormal(system: &System, fields: Vec<Vec<Nodal>>) -> Option<Vec<Vec<Nodal>>> {
+    let mut out: Vec<Vec<Nodal>> = Vec::with_capacity(fields.len());
+    for mut field in fields {
+        normalize(system, &mut field);
+        for _ in 0..2 {
+            for other in &out {
+                let part = system.inner_product(other, &field);
+                add_multiple(&mut field, -part, other);
+            }
+        }
+        if !(system.norm(&field) > INDEPENDENT) {
+            return None;
+        }
+        normalize(system, &mut field);
+        out.push(field);
+    }
+    Some(out)
+}
 
 /// Inverse of a tangent as an operator on its free degrees of freedom.
 struct Inverse<'a> {
@@ -94,6 +116,40 @@ impl UnstableModes {
         (modes.len() == negative).then_some(Self(modes))
     }
 
+    /// Modes of a later equilibrium that these have become, whose tangent has as many negative eigenvalues, by one inverse iteration with its factor; `None` where one
+    /// of them has not stayed negative, or has changed into another one.
+    pub fn followed(
+        &self,
+        system: &System,
+        frames: &LocalFrames,
+        negative: usize,
+        solve: &mut dyn FnMut(&mut [f64]) -> Result<(), String>,
+    ) -> Option<Self> {
+        if self.0.len() != negative {
+            return None;
+        }
+        if negative == 0 {
+            return Some(self.clone());
+        }
+        let mut free = vec![0.0; system.unknowns()];
+        let mut responses = Vec::with_capacity(negative);
+        for mode in &self.0 {
+            let mut field = mode.clone();
+            system.apply_metric(&mut field);
+            frames.reduce(&field, &mut free);
+            solve(&mut free).ok()?;
+            frames.expand(&free, &mut field);
+            responses.push(field);
+        }
+        let product = |i: usize, j: usize| system.inner_product(&self.0[i], &responses[j]);
+        let inverse = DMatrix::from_fn(negative, negative, |i, j| 0.5 * (product(i, j) + product(j, i)));
+        if !inverse.symmetric_eigenvalues().iter().all(|value| *value < 0.0) {
+            return None;
+        }
+        let later = Self(orthonormal(system, responses)?);
+        (self.shared(system, &later) == negative).then_some(later)
+    }
+
     /// Number of directions that belong to the spaces of both.
     pub fn shared(&self, system: &System, other: &Self) -> usize {
         if self.0.is_empty() || other.0.is_empty() {
@@ -113,5 +169,13 @@ impl UnstableModes {
         let part = |i: &usize| cosines.row(*i).norm();
         let farthest = (0..self.0.len()).min_by(|i, j| part(i).total_cmp(&part(j)))?;
         self.0.get(farthest).map(Vec::as_slice)
+    }
+}
+
+/// Scales a mode to unit norm.
+pub fn normalize(system: &System, mode: &mut [Nodal]) {
+    let norm = system.norm(mode);
+    if norm > 0.0 {
+        mode.as_flattened_mut().iter_mut().for_each(|x| *x /= norm);
     }
 }
