@@ -137,7 +137,11 @@ def copy(to, mutated):
                 # The mutants make the code of the kernels long, and the optimiser takes its time.
                 text = text.replace(b"opt-level = 2", b"opt-level = 1")
                 # One unit needs no optimisation between units, which takes longer than all the rest.
-                text += b"".join(f"\n[profile.dev.package.{c}]\ncodegen-units = 1\n".encode() for c in CRATES)
+                for crate in CRATES:
+                    head = f"[profile.dev.package.{crate}]\n".encode()
+                    if head not in text:
+                        text += b"\n" + head
+                    text = text.replace(head, head + b"codegen-units = 1\n")
                 text = text.replace(b'members = [', b'members = ["crates/mutant", ')
             if name != "Cargo.lock" or not (to / name).exists():
                 put(to / name, text)
