@@ -276,21 +276,23 @@ fn curved_and_twisted_beams_bend_as_macneal_and_harder_say() {
     }
 }
 
+/// Section of a beam that hardly stretches and shears, with the bending stiffness 100.
+const SLENDER: SectionConstants = SectionConstants {
+    axial: 1e6,
+    shear: [1e6; 2],
+    bending: [100.0; 2],
+    torsion: 80.0,
+    mass: 1.0,
+    inertia: [1e-4; 2],
+};
+
 /// The moment 2π EI/L at the end bends a clamped beam to a circle; the error falls with the square of the element's length.
 #[test]
 #[ignore = "long"]
 fn an_end_moment_rolls_a_beam_up_to_a_circle() {
-    let constants = SectionConstants {
-        axial: 1e6,
-        shear: [1e6; 2],
-        bending: [100.0; 2],
-        torsion: 80.0,
-        mass: 1.0,
-        inertia: [1e-4; 2],
-    };
     let moment = 2.0 * std::f64::consts::PI * 100.0 / 10.0;
     let gap = |elements: u32| {
-        let section = BeamSection::Constants(constants);
+        let section = BeamSection::Constants(SLENDER);
         let beam = Beam::straight("beam", [[0.0; 3], [10.0, 0.0, 0.0]], elements, [0.0, 0.0, 1.0], section);
         let loads = vec![Load::Moment(VectorLoad::new("beam.end", [0.0, 0.0, moment]))];
         let clamp = fixed("clamp", "ground", "beam.start", [0.0; 3]);
@@ -309,17 +311,9 @@ fn an_end_moment_rolls_a_beam_up_to_a_circle() {
 /// elements the end is within 2 %, without a warning.
 #[test]
 fn a_beam_of_few_elements_that_bends_far_is_warned_of() {
-    let constants = SectionConstants {
-        axial: 1e6,
-        shear: [1e6; 2],
-        bending: [100.0; 2],
-        torsion: 80.0,
-        mass: 1.0,
-        inertia: [1e-4; 2],
-    };
     let moment = std::f64::consts::PI * 100.0 / 10.0;
     for (elements, warned) in [(8, true), (32, false)] {
-        let section = BeamSection::Constants(constants);
+        let section = BeamSection::Constants(SLENDER);
         let beam = Beam::straight("rod", [[0.0; 3], [10.0, 0.0, 0.0]], elements, [0.0, 0.0, 1.0], section);
         let mut model = model(1.0, None, vec![beam], vec![fixed("clamp", "ground", "rod.start", [0.0; 3])]);
         model.loads = vec![Load::Moment(VectorLoad::new("rod.end", [0.0, 0.0, moment]))];

@@ -45,15 +45,19 @@ fn two_columns() -> (Model, Mesh) {
 }
 
 /// Loads of the columns over the critical one: `b` is loaded first, beyond its bifurcation; then `a` is loaded and `b` relieved. Bifurcations of the
-/// second path: load factors and changes.
-fn found(end: [f64; 2], method: Option<PathMethod>) -> Result<Vec<(f64, i32)>> {
+/// second path, which reports these load factors: load factors and changes.
+fn found(end: [f64; 2], (method, at): (Option<PathMethod>, &[f64])) -> Result<Vec<(f64, i32)>> {
     let (mut m, mesh) = two_columns();
     let critical = critical_load();
     let load = |set: &str, part: f64| Load::Edge(vector_load(set, [-part * critical, 0.0, 0.0]));
     m.loads = vec![load("b", 1.5)];
     let options = PathAnalysis { method, ..PathAnalysis::default() };
     let step = |name: &str| AnalysisStep::new(name, Analysis::Path(options.clone()));
-    let second = AnalysisStep { loads: vec![load("a", end[0]), load("b", end[1] - 1.5)], ..step("second") };
+    let second = AnalysisStep {
+        at: at.to_vec(),
+        loads: vec![load("a", end[0]), load("b", end[1] - 1.5)],
+        ..step("second")
+    };
     m.steps = vec![step("first"), second];
     let compiler = Compiler::new(&m, &mesh)?;
     let mut start = None;
@@ -74,7 +78,9 @@ fn found(end: [f64; 2], method: Option<PathMethod>) -> Result<Vec<(f64, i32)>> {
 /// The column `a` buckles at the load factor 1/2; `b` becomes stable before, behind and at this load. The shortening of the columns is below 1e-4.
 #[test]
 fn two_bifurcations_that_cancel_in_the_count_of_negative_eigenvalues_are_found() {
-    for method in [None, Some(PathMethod::ArcLength)] {
+    let arc_length = Some(PathMethod::ArcLength);
+    // Steps of the arc-length method end at load factors that are reported.
+    for method in [(None, &[][..]), (arc_length, &[]), (arc_length, &[0.2, 0.7])] {
         for relieved in [0.0, 0.3, 0.45, 0.55, 0.9] {
             let expected_b: f64 = 0.5 / (1.5 - relieved);
             let mut expected = [(0.5_f64, 1), (expected_b, -1)];

@@ -18,6 +18,8 @@ use crate::model::TransientAnalysis;
 use crate::system::{System, inverted_element};
 use crate::{Error, Result};
 
+/// Explicit steps from one look at the bending of beams to the next: it changes little in one of them.
+const LOOKS: u64 = 64;
 /// Safety factor on the bound of the critical time step: margin for its changes until it is estimated again.
 const SAFETY: f64 = 0.9;
 /// Largest number of steps between two estimates of the critical time step of a nonlinear model. In this time sound
@@ -299,7 +301,9 @@ impl<'a> ExplicitSteps<'a> {
         }
         let at = || format!("time {:.6e}", state.time);
         drilling.look(system, (&state.u, state.time), observer, at);
-        bending.look(system, &state.u, observer, at);
+        if state.step.is_multiple_of(LOOKS) {
+            bending.look(system, &state.u, observer, at);
+        }
         Ok(())
     }
 

@@ -10,6 +10,7 @@
 
 mod inside_step;
 mod opposite;
+mod step_length;
 mod switching;
 mod without_potential;
 
@@ -30,7 +31,7 @@ use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched, eq
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
 use crate::norm::larger;
-use crate::system::{CirculatoryStiffness, System, add_multiple, inverted_element};
+use crate::system::{CirculatoryStiffness, System, inverted_element};
 use crate::{Error, Result};
 use inside_step::{Explained, Known};
 
@@ -40,20 +41,6 @@ const TOLERANCES: Tolerances = Tolerances { energy: 1e-18, increment: 1e-6, max_
 /// Part of the load factor at the end that the first step is expected to reach, and its largest length.
 const FIRST: f64 = 0.1;
 const FIRST_LENGTH: f64 = 0.05;
-/// Distance between the predicted and the corrected point that is aimed at: of the displacements over the length of the step, of the load
-/// factor over the largest one so far.
-const DEPARTURE: [f64; 2] = [0.1, 0.03];
-/// Largest distance over those.
-const MOST_EXCESS: f64 = 5.0;
-/// Bounds of the change of the length from step to step.
-const CHANGE: [f64; 2] = [0.5, 2.0];
-/// Largest change of the load factor that is planned for a step behind the first over that at the end, where the loads have no potential: eigenvalues that pass through zero in
-/// opposite directions within one step are not noticed.
-const MOST_LOAD: f64 = 1.0 / 16.0;
-/// Iterations of a step above which the next one is not longer.
-const MANY: u32 = 7;
-/// Largest distance of the chord of a step, over its length, from the mean of the directions at both ends.
-const SMOOTH: f64 = 0.1;
 /// Least cosine of the angle between the directions at both ends.
 const TURN: f64 = 0.7;
 /// Halvings of a step after which the path is given up.
@@ -296,20 +283,8 @@ impl<'a> ArcLengthSteps<'a> {
     ) -> std::result::Result<Outcome, String> {
         self.find_modes_at_start(&arc.tangent);
         let mut end = self.equilibrium_at(&arc.tangent, length, observer)?;
-        let (unstable, whole) = (self.modes_at_end(&end), end.a);
-        let departures = [self.departure(arc, &end)?, self.load_departure(arc, &end)];
-        let excess = larger(departures[0] / DEPARTURE[0], departures[1] / DEPARTURE[1]);
-        if excess > MOST_EXCESS {
-            return Err("the path curves too much over the step".into());
-        }
-        let mut next = length * (1.0 / excess).clamp(CHANGE[0], CHANGE[1]);
-        if end.iterations > MANY {
-            next = next.min(length);
-        }
-        let most = (MOST_LOAD * self.options.end_load / end.tangent.load).abs();
-        if next > most && arc.tangent.determinant_sign != 0 && !self.have_potential(&end.equation) {
-            next = most;
-        }
+        let (mut unstable, whole) = (self.modes_at_end(&end), end.a);
+        let mut next = self.next_length(arc, &end)?;
         let loads = self.loads(arc, &end);
         let mut limits = roots(length, |a| loads.load_derivative(a, 1));
         let flat = is_flat(&loads, length) && !self.is_driven();
@@ -355,27 +330,25 @@ impl<'a> ArcLengthSteps<'a> {
         if let Some((a, load)) = first {
             let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), &end));
             let tangent = PathTangent::between(self.system, [&arc.tangent, &end.tangent], a / end.a);
-            end = self.at_load(known, (a, load), observer)?;
-            if self.system.inner_product(&tangent.direction, &end.tangent.direction) < TURN {
-                // Next to a bifurcation the response to the loads is the eigenvector of the eigenvalue that vanishes there.
-                let PathTangent { determinant_sign, crossings, .. } = end.tangent;
-                end.tangent = PathTangent { determinant_sign, crossings, ..tangent };
-            }
+            end = self.end_at_load(known, (a, load), tangent, observer)?;
         }
         if end.a < length || length < planned {
             next = next.min(planned);
         }
         let all = Explained { limits: &critical, negative, sign, crossings, has_potential };
-        let found = self.other_bifurcations(&all, (arc, &mut known), &end, observer)?;
-        let unstable = unstable.filter(|_| end.a == whole);
+        let mut found = self.other_bifurcations(&all, (arc, &mut known), &end, observer)?;
+        if end.a != whole {
+            unstable = self.modes_at_new_end(&end);
+        }
         let opposite =
             self.opposite_bifurcations(&critical, &found, (arc, &mut known), (&end, &unstable), observer);
-        if !found.is_empty() || !opposite.is_empty() {
+        found.extend(opposite);
+        if !found.is_empty() {
             critical.extend(found);
-            critical.extend(opposite);
             critical.sort_by(|p, q| p.a.total_cmp(&q.a));
             self.gets_away(&critical)?;
         }
+        let judged = end.a;
         if !critical.is_empty() {
             let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), &end));
             if let Some(end) = self.go_over(arc, known, &mut critical, observer)? {
@@ -384,7 +357,7 @@ impl<'a> ArcLengthSteps<'a> {
             }
             self.end_inside(arc, known, (&mut critical, negative), &mut end, observer)?;
         }
-        let unstable = unstable.map(|(modes, _)| modes).filter(|_| end.a == whole);
+        let unstable = unstable.map(|(modes, _)| modes).filter(|_| end.a == judged);
         Ok(Outcome { end, negative, critical, unstable, length: next })
     }
 
@@ -402,40 +375,6 @@ impl<'a> ArcLengthSteps<'a> {
         let Self { system, newton, .. } = self;
         let place = Place { u: &equation.u, time: equation.time, frames: &newton.assembly.frames };
         have_potential(system, &place, CirculatoryStiffness::new(system), &[])
-    }
-
-    /// Distance of the predicted from the corrected point over the length of a step.
-    ///
-    /// # Errors
-    /// The ends of the step do not lie on one smooth curve.
-    fn departure(&self, arc: &ArcStart, end: &End) -> std::result::Result<f64, String> {
-        let Self { system, state, .. } = self;
-        let mut chord = end.equation.u.clone();
-        add_multiple(&mut chord, -1.0, &state.u);
-        chord.as_flattened_mut().iter_mut().for_each(|x| *x /= end.a);
-        let mut away = chord.clone();
-        add_multiple(&mut away, -1.0, &arc.tangent.direction);
-        let departure = system.norm(&away);
-        let (first, last) = (&arc.tangent.direction, &end.tangent.direction);
-        let turn = system.inner_product(first, last);
-        // The directions per distance along the first one, as the chord is.
-        add_multiple(&mut chord, -0.5, first);
-        add_multiple(&mut chord, -0.5 / turn, last);
-        if turn >= TURN && system.norm(&chord) <= SMOOTH {
-            Ok(larger(departure, f64::MIN_POSITIVE))
-        } else {
-            Err("the directions of the path at both ends of the step do not belong to one smooth curve"
-                .into())
-        }
-    }
-
-    /// Distance of the predicted from the corrected load factor over the largest one so far: models of few degrees of freedom move along a
-    /// line.
-    fn load_departure(&self, arc: &ArcStart, end: &End) -> f64 {
-        let [least, most] = self.path().map_or([0.0; 2], |path| path.loads);
-        let largest = [least, most, end.equation.time].into_iter().map(f64::abs).fold(0.0, larger);
-        let away = end.equation.time - self.state.time - arc.tangent.load * end.a;
-        if largest > 0.0 { away.abs() / largest } else { 0.0 }
     }
 
     /// Load factor over a step, by its values and derivatives at both ends.

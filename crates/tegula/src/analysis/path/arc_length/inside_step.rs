@@ -5,7 +5,7 @@
 
 use super::{ArcLengthSteps, ArcStart, End, Plane, TOLERANCES, TURN};
 use crate::analysis::Observer;
-use crate::analysis::newton::TangentPart;
+use crate::analysis::newton::{PathTangent, TangentPart};
 use crate::analysis::path::critical_points::{Curve, Found, INVERSE_ITERATIONS, Trial, bifurcations};
 use crate::analysis::path::crossing::refuse_fold_of_other_path;
 use crate::analysis::path::state::{CriticalKind, CriticalPoint};
@@ -149,6 +149,24 @@ impl ArcLengthSteps<'_> {
             near = self.equilibrium_near(known, next, observer)?;
         }
         Err("the equilibrium at a load factor in the step was not found".into())
+    }
+
+    /// End of a step at a load factor, near a distance from its start: [`Self::at_load`], with the direction of the path there where the response to the
+    /// loads is none, `tangent` by those at both ends of the step.
+    pub(super) fn end_at_load(
+        &mut self,
+        known: &mut Known,
+        place: (f64, f64),
+        tangent: PathTangent,
+        observer: &mut dyn Observer,
+    ) -> std::result::Result<End, String> {
+        let mut end = self.at_load(known, place, observer)?;
+        if self.system.inner_product(&tangent.direction, &end.tangent.direction) < TURN {
+            // Next to a bifurcation the response to the loads is the eigenvector of the eigenvalue that vanishes there.
+            let PathTangent { determinant_sign, crossings, .. } = end.tangent;
+            end.tangent = PathTangent { determinant_sign, crossings, ..tangent };
+        }
+        Ok(end)
     }
 
     /// Limit point of a step by the secant of the derivative of the load factor, kept in a bracket, from a first estimate: an equilibrium next to it, and

@@ -35,6 +35,20 @@ impl ArcLengthSteps<'_> {
         self.newton.unstable_modes(self.system, end.negative, self.unstable.as_ref())
     }
 
+    /// Unstable modes at the end of a step that ends before its planned length, at a limit point or a wanted load factor: its tangent is factored once more.
+    pub(super) fn modes_at_new_end(&mut self, end: &End) -> ModesAtEnd {
+        if end.negative == 0 || end.tangent.determinant_sign != 0 {
+            return None;
+        }
+        let Self { newton, system, state, equation, response, .. } = self;
+        equation.clone_from(&end.equation);
+        let at = (&mut *equation, state.history.as_slice());
+        let direction = Some(end.tangent.direction.as_slice());
+        let (_, negative) = newton.path_tangent(system, at, direction, response).ok()?;
+        // At a limit point the number of negative eigenvalues is that behind it.
+        if negative == end.negative { self.modes_at_end(end) } else { None }
+    }
+
     /// Bifurcations of a step beside its critical points that the number of negative eigenvalues tells: limit points and others. Where a trial fails,
     /// the known points stand.
     pub(super) fn opposite_bifurcations(
