@@ -21,6 +21,7 @@ use super::state::{
     ArcStart, CriticalKind, CriticalPoint, ExpansionPoint, PathState, ended_early, not_continued,
 };
 use super::{SeriesSteps, branch, first_state};
+use crate::analysis::bending_watch::BendingWatch;
 use crate::analysis::newton::{LoadResponse, NOTHING_MOVES, Newton, PathTangent, Plane, Tolerances};
 use crate::analysis::potential::{Place, have_potential};
 use crate::analysis::solver::TangentSolver as _;
@@ -80,6 +81,7 @@ pub struct ArcLengthSteps<'a> {
     force: Vec<Nodal>,
     /// Unstable modes of the last equilibrium, where they are known.
     unstable: Option<UnstableModes>,
+    bending: BendingWatch,
 }
 
 /// End of a step, an equilibrium on the path.
@@ -133,6 +135,7 @@ impl<'a> ArcLengthSteps<'a> {
             response: LoadResponse::new(system),
             force: vec![[0.0; 3]; system.vectors()],
             unstable: None,
+            bending: BendingWatch::new(),
             earlier: 0,
             limit: f64::INFINITY,
             newton,
@@ -341,7 +344,7 @@ impl<'a> ArcLengthSteps<'a> {
             unstable = self.modes_at_new_end(&end);
         }
         let opposite =
-            self.opposite_bifurcations(&critical, &found, (arc, &mut known), (&end, &unstable), observer);
+            self.opposite_bifurcations(&critical, &found, (arc, &mut known), (&end, &unstable), observer)?;
         found.extend(opposite);
         if !found.is_empty() {
             critical.extend(found);
@@ -429,6 +432,7 @@ impl<'a> ArcLengthSteps<'a> {
         self.balance = statics::energies(system, &mut newton.assembly, state);
         state.energy_scale = larger(state.energy_scale, self.balance.strain);
         state.displacement_scale = larger(state.displacement_scale, system.norm(&state.u));
+        self.bending.look(system, &state.u, observer, || format!("load factor {}", state.time));
         state.negative_pivots = end.negative;
         self.statistics.steps = state.step;
         let Some(path) = &mut state.path else { return };

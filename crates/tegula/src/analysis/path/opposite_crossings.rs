@@ -62,6 +62,7 @@ pub fn opposite_crossings(
 ) -> Result<Vec<Found>, String> {
     let (start, length) = (ends[0].negative, ends[1].a);
     let mut found = Vec::new();
+    let mut known = known.to_vec();
     let mut open = vec![ends];
     let mut trials = 0;
     while let Some([low, high]) = open.pop() {
@@ -85,13 +86,15 @@ pub fn opposite_crossings(
         }
         let explained: i32 = known.iter().filter(|(at, _)| *at < a).map(|(_, change)| change).sum();
         let more = middle.negative as i32 - start as i32 - explained;
-        if more == 0 {
-            let middle = Place { a, negative: middle.negative, modes: middle.modes };
-            open.extend([[low, middle.clone()], [middle, high]]);
-        } else {
+        if more != 0 {
             let halves = vec![([low.a, a], [0, more]), ([a, high.a], [more, 0])];
-            found.extend(bifurcations_between(curve, (length, start), halves, known)?);
+            let told = bifurcations_between(curve, (length, start), halves, &known)?;
+            known.extend(told.iter().map(|found| (found.a, found.point.change)));
+            found.extend(told);
         }
+        // Either half may have opposite crossings of its own.
+        let middle = Place { a, negative: middle.negative, modes: middle.modes };
+        open.extend([[low, middle.clone()], [middle, high]]);
     }
     Ok(found)
 }

@@ -29,7 +29,7 @@ const REST: f64 = 3.0;
 const MOST_NEARER: usize = 6;
 
 /// Length of a step in which a zero of the symmetric part need not be found: next to it the unsymmetric tangent may be singular.
-const SHORT: f64 = 1e-3;
+pub(super) const SHORT: f64 = 1e-3;
 
 /// Change of the load factor over its size, within which two bifurcations need not be told apart: shorter steps come too near to both of them.
 const TOGETHER: f64 = 2e-4;

@@ -1,6 +1,6 @@
 //! Bifurcations of arc-length steps that cancel in the number of negative eigenvalues.
 
-use super::inside_step::{Known, PathCurve};
+use super::inside_step::{Known, PathCurve, SHORT};
 use super::{ArcLengthSteps, ArcStart, End};
 use crate::analysis::Observer;
 use crate::analysis::newton::PathTangent;
@@ -49,8 +49,11 @@ impl ArcLengthSteps<'_> {
         if negative == end.negative { self.modes_at_end(end) } else { None }
     }
 
-    /// Bifurcations of a step beside its critical points that the number of negative eigenvalues tells: limit points and others. Where a trial fails,
-    /// the known points stand.
+    /// Bifurcations of a step beside its critical points that the number of negative eigenvalues tells: limit points and others. Where none can be told
+    /// even in a short step, a warning says so.
+    ///
+    /// # Errors
+    /// A trial in a longer step failed; the text gives the reason.
     pub(super) fn opposite_bifurcations(
         &mut self,
         limits: &[Found],
@@ -58,17 +61,27 @@ impl ArcLengthSteps<'_> {
         (arc, known): (&ArcStart, &mut Option<Known>),
         (end, unstable): (&End, &ModesAtEnd),
         observer: &mut dyn Observer,
-    ) -> Vec<Found> {
-        let Some((last, false)) = unstable else { return Vec::new() };
-        let Some(first) = self.unstable.clone() else { return Vec::new() };
-        let (system, negative) = (self.system, self.state.negative_pivots);
+    ) -> std::result::Result<Vec<Found>, String> {
+        let Some((last, false)) = unstable else { return Ok(Vec::new()) };
+        let Some(first) = self.unstable.clone() else { return Ok(Vec::new()) };
+        let (system, negative, from) = (self.system, self.state.negative_pivots, self.state.time);
         let places = [(0.0, negative, first), (end.a, end.negative, last.clone())]
             .map(|(a, negative, modes)| Place { a, negative, modes });
         let told: Vec<(f64, i32)> =
             limits.iter().chain(others).map(|found| (found.a, found.point.change)).collect();
         let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), end));
         let mut curve = PathCurve { steps: self, known, observer, has_potential: true };
-        opposite_crossings(system, &mut curve, places, &told).unwrap_or_default()
+        match opposite_crossings(system, &mut curve, places, &told) {
+            Err(reason) if end.a <= SHORT => {
+                observer.on_warning(&format!(
+                    "between load factors {from:.6} and {:.6} the unstable modes change, and bifurcations that cancel in the number of negative \
+                     eigenvalues are not told: {reason}",
+                    end.equation.time
+                ));
+                Ok(Vec::new())
+            }
+            found => found,
+        }
     }
 }
 
