@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::body_mass::condense;
+use super::body_mass::{BodyMass, condense};
 use super::{BATCH, Batch, Pattern, Source, Target, Task, rows_below};
 use crate::system::LocalFrames;
 use crate::system::assembly::pairs;
@@ -123,12 +123,48 @@ impl PatternBuilder {
         let (masses, mut of_bodies) = condense(std::mem::take(&mut self.masses), frames.dofs());
         self.masses = masses;
         self.masses.sort_by_key(|m| m.0);
+        let keys = self.keys(vectors, &of_bodies)?;
+        let (column_start, row) = block_columns(&keys, vectors);
+        let mass = self.masses_of_blocks(&keys);
+        for mass in &mut of_bodies {
+            mass.block = keys.partition_point(|&k| k < mass.key());
+        }
+        let columns = if self.tangent { vectors } else { 0 };
+        let layout = ValueLayout::new((&column_start[..=columns], &row), frames);
+
+        let mut met = vec![false; keys.len()];
+        let mut batches = Vec::with_capacity(self.batches.len());
+        for (mut batch, of_batch) in self.batches {
+            batch.aim(&of_batch, (&keys, &column_start, frames), &mut met);
+            batch.divide(&of_batch, &layout.value_start);
+            batches.push(batch);
+        }
+        let mut alone: Vec<u32> = (0..keys.len() as u32).filter(|&b| !met[b as usize]).collect();
+        alone.shrink_to_fit();
+        Ok(Pattern {
+            column_start,
+            row,
+            tail_start: layout.tail_start,
+            tail: layout.tail,
+            mass,
+            alone,
+            batches,
+            column_pointers: layout.column_pointers.into(),
+            of_bodies,
+        })
+    }
+
+    /// Keys of all blocks in ascending order: the diagonal, the blocks of the batches and those of the masses.
+    ///
+    /// # Errors
+    /// The elements couple more pairs of nodal vectors than can be numbered.
+    fn keys(&self, vectors: usize, of_bodies: &[BodyMass]) -> Result<Vec<u64>> {
         let mut keys: Vec<u64> = (0..vectors as u32).map(|v| key(v, v)).collect();
         for (_, of_batch) in &self.batches {
             keys.extend(of_batch);
         }
         keys.extend(self.masses.iter().map(|m| m.0));
-        keys.extend(of_bodies.iter().map(super::body_mass::BodyMass::key));
+        keys.extend(of_bodies.iter().map(BodyMass::key));
         keys.par_sort_unstable();
         keys.dedup();
         if keys.len() > if self.tangent { MOST_BLOCKS } else { u32::MAX as usize } {
@@ -138,34 +174,61 @@ impl PatternBuilder {
                 "use fewer elements, or in statics `linear_solver = \"iterative\"`",
             ));
         }
+        Ok(keys)
+    }
 
-        let mut column_start = vec![0; vectors + 1];
-        let mut row = Vec::with_capacity(keys.len());
-        // Statics without gravity needs no density: then no mass is stored.
+    /// Sums of the masses, which are in ascending order, by block. Statics without gravity needs no density: then no mass is stored.
+    fn masses_of_blocks(&self, keys: &[u64]) -> Vec<f64> {
         let mut mass = if self.masses.is_empty() { Vec::new() } else { vec![0.0; keys.len()] };
-        let mut m = 0;
-        for (block, &k) in keys.iter().enumerate() {
-            column_start[(k >> 32) as usize + 1] = block as u32 + 1;
-            row.push(k as u32);
-            while m < self.masses.len() && self.masses[m].0 == k {
-                mass[block] += self.masses[m].1;
-                m += 1;
+        let mut block = 0;
+        for (key, value) in &self.masses {
+            while keys[block] != *key {
+                block += 1;
             }
+            mass[block] += value;
         }
-        for mass in &mut of_bodies {
-            mass.block = keys.partition_point(|&k| k < mass.key());
-        }
+        mass
+    }
+}
+
+/// Start of each block column and the rows of its blocks (compressed block columns), from the keys in ascending order.
+fn block_columns(keys: &[u64], vectors: usize) -> (Vec<u32>, Vec<u32>) {
+    let mut column_start = vec![0; vectors + 1];
+    let mut row = Vec::with_capacity(keys.len());
+    for (block, &k) in keys.iter().enumerate() {
+        column_start[(k >> 32) as usize + 1] = block as u32 + 1;
+        row.push(k as u32);
+    }
+    (column_start, row)
+}
+
+/// Places of the values of block columns in the columns of the free degrees of freedom (compressed sparse columns).
+struct ValueLayout {
+    /// First value of each block column.
+    value_start: Vec<usize>,
+    /// First value of each column of a degree of freedom.
+    column_pointers: Vec<usize>,
+    /// Free rows from each block on to the end of its column, where some are constrained.
+    tail: Vec<u32>,
+    /// First of these numbers of each block column.
+    tail_start: Vec<u32>,
+}
+
+impl ValueLayout {
+    /// Layout of block columns, from their starts and the rows of their blocks.
+    fn new((column_start, row): (&[u32], &[u32]), frames: &LocalFrames) -> Self {
+        let columns = column_start.len() - 1;
         let mut tail = Vec::new();
-        let mut tail_start = Vec::with_capacity(vectors + 1);
+        let mut tail_start = Vec::with_capacity(columns + 1);
         let mut column_pointers = Vec::new();
-        let mut value_start = Vec::with_capacity(vectors);
-        column_pointers.reserve_exact(if self.tangent { frames.dofs().unknowns + 1 } else { 1 });
+        let mut value_start = Vec::with_capacity(columns);
+        column_pointers.reserve_exact(if columns > 0 { frames.dofs().unknowns + 1 } else { 1 });
         column_pointers.push(0);
         let mut values = 0;
-        for j in (0..vectors).filter(|_| self.tangent) {
+        for (j, ends) in column_start.windows(2).enumerate() {
             value_start.push(values);
             tail_start.push(tail.len() as u32);
-            let rows = &row[column_start[j] as usize..column_start[j + 1] as usize];
+            let rows = &row[ends[0] as usize..ends[1] as usize];
             let free =
                 |i: u32| frames.of(i as usize).into_iter().filter(|&r| r != CONSTRAINED).count() as u32;
             if rows.iter().any(|&i| free(i) < 3) {
@@ -182,27 +245,7 @@ impl PatternBuilder {
         }
         tail_start.push(tail.len() as u32);
         tail.shrink_to_fit();
-
-        let mut met = vec![false; keys.len()];
-        let mut batches = Vec::with_capacity(self.batches.len());
-        for (mut batch, of_batch) in self.batches {
-            batch.aim(&of_batch, (&keys, &column_start, frames), &mut met);
-            batch.divide(&of_batch, &value_start);
-            batches.push(batch);
-        }
-        let mut alone: Vec<u32> = (0..keys.len() as u32).filter(|&b| !met[b as usize]).collect();
-        alone.shrink_to_fit();
-        Ok(Pattern {
-            column_start,
-            row,
-            tail_start,
-            tail,
-            mass,
-            alone,
-            batches,
-            column_pointers: column_pointers.into(),
-            of_bodies,
-        })
+        Self { value_start, column_pointers, tail, tail_start }
     }
 }
 
