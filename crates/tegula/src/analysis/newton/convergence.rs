@@ -38,7 +38,7 @@ impl<S: TangentSolver> Newton<S> {
         system: &System,
         equation: &mut dyn Equation,
         (setting, tolerances): (&Setting, &Tolerances),
-        Size { energy, norm, scale: energy_scale }: Size,
+        size @ Size { energy, norm, scale: energy_scale }: Size,
         progress: &mut Progress,
         observer: &mut dyn Observer,
     ) -> Result<Option<Converged>, Failed> {
@@ -47,13 +47,55 @@ impl<S: TangentSolver> Newton<S> {
         let relative = energy / energy_scale.max(f64::MIN_POSITIVE);
         observer.on_iteration(setting.number, relative, norm / scale.max(f64::MIN_POSITIVE));
         let in_time = setting.coefficients.mass != 0.0;
-        // The tangent of rigid bodies and joints leaves terms out, too: its convergence is linear.
-        let approximate = setting.reuse || self.constraints.is_some() || !system.dofs().triads.is_empty();
-        let rest = if approximate && !system.linear { lagged_tangent::rest(in_time) } else { 1.0 };
         if setting.number == 1 && !system.linear {
             progress.limit = equation.error_limit(energy);
         }
+        let converged = self.is_small(system, (setting, tolerances), (size, scale), progress);
+        if setting.number == 1 && !in_time && self.constraints.is_some() {
+            // The first tangent does not know the forces of joints yet.
+            return Ok(None);
+        }
+        let done = Converged {
+            iterations: setting.number,
+            tangents: progress.tangents,
+            negative_pivots: progress.negative_pivots,
+            most_negative_pivots: self.most_negative_pivots,
+            first_increment: progress.first_increment,
+            floor: false,
+        };
+        let places = larger(PLACES, self.round_off);
+        // Bodies that loads and joints hold where they are: the increments are round-off, and there is no energy to compare with.
+        let held = self.constraints.is_some() && setting.number > HELD && norm <= places && scale <= places;
+        let rests = energy == 0.0 && norm == 0.0;
+        if converged || held || rests {
+            if held && !converged && !in_time {
+                self.refuse_unbalanced(system, equation)?;
+            }
+            let accepted = self.accepts(system, equation, (in_time, rests), progress)?;
+            return Ok(accepted.then_some(done));
+        }
+        let floor = self.at_round_off(system, equation, relative, (norm, scale), !in_time)?;
+        if floor && let Some(open) = self.open_joint(system, equation) {
+            return Err((Cause::Constraints, open));
+        }
+        Ok(floor.then_some(Converged { floor: true, ..done }))
+    }
+
+    /// Whether an increment, which is recorded, is within the tolerances by its energy and norm, and by its error, which follows from the rate of
+    /// convergence. The scale of displacements follows its size.
+    fn is_small(
+        &mut self,
+        system: &System,
+        (setting, tolerances): (&Setting, &Tolerances),
+        (Size { energy, norm, scale: energy_scale }, scale): (Size, f64),
+        progress: &mut Progress,
+    ) -> bool {
+        let in_time = setting.coefficients.mass != 0.0;
+        // The tangent of rigid bodies and joints leaves terms out, too: its convergence is linear.
+        let approximate = setting.reuse || self.constraints.is_some() || !system.dofs().triads.is_empty();
+        let rest = if approximate && !system.linear { lagged_tangent::rest(in_time) } else { 1.0 };
         let limit = progress.limit.max(ROUND_OFF * energy_scale);
+        let relative = energy / energy_scale.max(f64::MIN_POSITIVE);
         let excess = (relative / (rest * tolerances.energy))
             .max(energy / limit)
             .sqrt()
@@ -71,58 +113,46 @@ impl<S: TangentSolver> Newton<S> {
         // The error behind an increment is the increment times the contraction.
         let error = self.increments.contraction().powi(2).min(1.0) * energy;
         let left = if rest < 1.0 { error } else { energy };
-        let converged = energy <= tolerances.energy * energy_scale
+        energy <= tolerances.energy * energy_scale
             && norm <= larger(tolerances.increment * scale, self.round_off)
             && left <= rest * tolerances.energy * energy_scale
-            && error <= limit;
-        let done = Converged {
-            iterations: setting.number,
-            tangents: progress.tangents,
-            negative_pivots: progress.negative_pivots,
-            most_negative_pivots: self.most_negative_pivots,
-            first_increment: progress.first_increment,
-            floor: false,
-        };
-        if setting.number == 1 && !in_time && self.constraints.is_some() {
-            // The first tangent does not know the forces of joints yet.
-            return Ok(None);
+            && error <= limit
+    }
+
+    /// Whether an iterate behind a small increment is the solution: its constraints are closed, and in statics its last tangent tells its stability. The
+    /// increment of one that `rests` is zero.
+    ///
+    /// # Errors
+    /// A joint stays open although the increment is zero.
+    fn accepts(
+        &mut self,
+        system: &System,
+        equation: &dyn Equation,
+        (in_time, rests): (bool, bool),
+        progress: &mut Progress,
+    ) -> Result<bool, Failed> {
+        // Constraints are as exact as the increment that follows; a dependent one may still be open.
+        let violation = self.violation(system, equation);
+        if violation <= if rests { OPEN } else { larger(CLOSED, self.round_off).min(OPEN) } {
+            let open = progress.tangent_energy > JUDGED && progress.asked < MOST_ASKED && !rests;
+            // The tangent of the first iterate does not know the stresses of the equilibrium: it says nothing about its stability.
+            let of_start = progress.tangents == 1;
+            if !in_time && !system.linear && (of_start || (open && system.has_force_elements())) {
+                progress.asked += 1;
+                self.factored = FactoredTangent::Nothing;
+                return Ok(false);
+            }
+            return Ok(true);
         }
-        let places = larger(PLACES, self.round_off);
-        // Bodies that loads and joints hold where they are: the increments are round-off, and there is no energy to compare with.
-        let held = self.constraints.is_some() && setting.number > HELD && norm <= places && scale <= places;
-        if converged || held || (energy == 0.0 && norm == 0.0) {
-            if held && !converged && !in_time {
-                self.refuse_unbalanced(system, equation)?;
-            }
-            // Constraints are as exact as the increment that follows; a dependent one may still be open.
-            let rests = energy == 0.0 && norm == 0.0;
-            let violation = self.violation(system, equation);
-            if violation <= if rests { OPEN } else { larger(CLOSED, self.round_off).min(OPEN) } {
-                let open = progress.tangent_energy > JUDGED && progress.asked < MOST_ASKED && !rests;
-                // The tangent of the first iterate does not know the stresses of the equilibrium: it says nothing about its stability.
-                let of_start = progress.tangents == 1;
-                if !in_time && !system.linear && (of_start || (open && system.has_force_elements())) {
-                    progress.asked += 1;
-                    self.factored = FactoredTangent::Nothing;
-                    return Ok(None);
-                }
-                return Ok(Some(done));
-            }
-            if rests && let Some(open) = self.open_joint(system, equation) {
-                return Err((Cause::Constraints, open));
-            }
-            if let Some(constraints) = &mut self.constraints
-                && !constraints.closes(violation)
-            {
-                constraints.readmit();
-            }
-            return Ok(None);
-        }
-        let floor = self.at_round_off(system, equation, relative, (norm, scale), !in_time)?;
-        if floor && let Some(open) = self.open_joint(system, equation) {
+        if rests && let Some(open) = self.open_joint(system, equation) {
             return Err((Cause::Constraints, open));
         }
-        Ok(floor.then_some(Converged { floor: true, ..done }))
+        if let Some(constraints) = &mut self.constraints
+            && !constraints.closes(violation)
+        {
+            constraints.readmit();
+        }
+        Ok(false)
     }
 
     /// Largest value of a constraint over its size, of an iterate; 0 without joints.
