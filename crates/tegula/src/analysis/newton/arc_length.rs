@@ -15,7 +15,7 @@
 //! Mechanics, Springer, 1981, 63–89.
 
 use super::convergence::{CLOSED, OPEN};
-use super::iteration::{FLIGHT, Failed, SPUN, retract, spun_body};
+use super::iteration::{FLIGHT, Failed, SPUN, Size, retract, spun_body};
 use super::{Cause, Diverged, Equation, FactoredTangent, Newton, Tolerances, expand_free, largest, point};
 use crate::analysis::Observer;
 use crate::analysis::circulatory::Purpose;
@@ -207,12 +207,8 @@ impl<S: TangentSolver> Newton<S> {
         observer: &mut dyn Observer,
     ) -> Result<u32, Failed> {
         self.begin_step();
-        let failed = |reason: String| (Cause::Tangent, reason);
         let mixed = self.method == NewtonMethod::Mixed && !system.linear;
-        // Increment before whose energy is small.
-        let mut before = None::<f64>;
-        // Number and increment of the first of the iterations of small increments.
-        let mut since = None::<(u32, f64)>;
+        let mut convergence = PlaneConvergence::default();
         for number in 1..=tolerances.max_iterations {
             self.iterations = number;
             if observer.interrupted() {
@@ -220,14 +216,9 @@ impl<S: TangentSolver> Newton<S> {
             }
             let negative = self.linearize_with_load(system, equation, history, mixed, response)?;
             self.most_negative_pivots = self.most_negative_pivots.max(negative);
-            self.find_load_response(system, equation, response).map_err(failed)?;
-            self.respond_to_residual(system, equation).map_err(failed)?;
-            let left = plane.distance - distance(system, plane, &equation.u);
-            let along = system.inner_product(plane.normal, &response.field);
-            let change = (left - system.inner_product(plane.normal, &self.increment)) / along;
-            add_multiple(&mut self.increment, change, &response.field);
-            add_multiple(&mut self.residual, change, &response.force);
-            let energy = dot(&self.increment, &self.residual).abs();
+            let (change, energy) = self
+                .increment_to_plane(system, equation, (plane, response))
+                .map_err(|reason| (Cause::Tangent, reason))?;
             if !(energy.is_finite() && change.is_finite()) {
                 return Err((Cause::Flight, "the increment is not finite".into()));
             }
@@ -244,8 +235,8 @@ impl<S: TangentSolver> Newton<S> {
             if let Some(constraints) = &self.constraints {
                 equation.change_multipliers(constraints.change());
             }
-            let size = system.norm(&self.increment);
-            if size > FLIGHT && !system.linear {
+            let norm = system.norm(&self.increment);
+            if norm > FLIGHT && !system.linear {
                 let place = largest(system, &self.assembly.frames, &self.residual);
                 return Err((Cause::Flight, format!("divergence of the iteration; {place}")));
             }
@@ -254,19 +245,11 @@ impl<S: TangentSolver> Newton<S> {
             observer.on_iteration(
                 number,
                 energy / energy_scale.max(f64::MIN_POSITIVE),
-                size / scale.max(f64::MIN_POSITIVE),
+                norm / scale.max(f64::MIN_POSITIVE),
             );
-            let without_energy = energy <= tolerances.energy * energy_scale;
-            let is_tiny = size <= SINGULAR_ROUND_OFF * scale;
-            let stagnates = is_tiny
-                && before.is_some_and(|before| size > STAGNATES[0] * before && size <= STAGNATES[1] * before);
-            before = without_energy.then_some(size);
-            since = (is_tiny && energy <= ENERGY_OF_ROUND_OFF * energy_scale)
-                .then(|| since.unwrap_or((number, size)));
-            let remains =
-                since.is_some_and(|(first, at_first)| number >= first + MANY && size > REMAINS * at_first);
-            let small = without_energy && (size <= tolerances.increment * scale || stagnates) || remains;
-            let rests = size <= larger(ROUND_OFF * scale, self.round_off);
+            let small =
+                convergence.is_small(number, Size { energy, norm, scale: energy_scale }, scale, tolerances);
+            let rests = norm <= larger(ROUND_OFF * scale, self.round_off);
             if (small || rests)
                 && self.violation(system, equation) <= larger(CLOSED, self.round_off).min(OPEN)
             {
@@ -281,6 +264,27 @@ impl<S: TangentSolver> Newton<S> {
             Cause::Iterations,
             format!("not converged after {} iterations; {place}", tolerances.max_iterations),
         ))
+    }
+
+    /// Increment `K⁻¹R + δλ û` onto a plane, with the tangent factored; the residual becomes `R + δλ F`. Returns the change δλ of the load factor
+    /// and the energy of the increment.
+    ///
+    /// # Errors
+    /// The linear solver failed; the text gives the reason.
+    fn increment_to_plane(
+        &mut self,
+        system: &System,
+        equation: &StaticEquation,
+        (plane, response): (&Plane, &mut LoadResponse),
+    ) -> Result<(f64, f64), String> {
+        self.find_load_response(system, equation, response)?;
+        self.respond_to_residual(system, equation)?;
+        let left = plane.distance - distance(system, plane, &equation.u);
+        let along = system.inner_product(plane.normal, &response.field);
+        let change = (left - system.inner_product(plane.normal, &self.increment)) / along;
+        add_multiple(&mut self.increment, change, &response.field);
+        add_multiple(&mut self.residual, change, &response.force);
+        Ok((change, dot(&self.increment, &self.residual).abs()))
     }
 
     /// Moves an equation by the increment, and its load factor and multipliers by `factor` times their rates.
@@ -461,6 +465,39 @@ impl<S: TangentSolver> Newton<S> {
         })?;
         expand_free(&self.frames, &self.solution, false, &mut self.increment);
         Ok(())
+    }
+}
+
+/// Test of convergence on a plane: tolerances of energy and norm, and stagnation of the increments at round-off.
+#[derive(Default)]
+struct PlaneConvergence {
+    /// Norm of the increment before, whose energy is small.
+    before: Option<f64>,
+    /// Number and norm of the first one in succession of the increments that are small and whose energy is round-off.
+    since: Option<(u32, f64)>,
+}
+
+impl PlaneConvergence {
+    /// Whether the increment of an iteration is small, or stagnates. The scale of displacements follows its size.
+    fn is_small(
+        &mut self,
+        number: u32,
+        Size { energy, norm, scale: energy_scale }: Size,
+        scale: f64,
+        tolerances: &Tolerances,
+    ) -> bool {
+        let without_energy = energy <= tolerances.energy * energy_scale;
+        let is_tiny = norm <= SINGULAR_ROUND_OFF * scale;
+        let stagnates = is_tiny
+            && self
+                .before
+                .is_some_and(|before| norm > STAGNATES[0] * before && norm <= STAGNATES[1] * before);
+        self.before = without_energy.then_some(norm);
+        self.since = (is_tiny && energy <= ENERGY_OF_ROUND_OFF * energy_scale)
+            .then(|| self.since.unwrap_or((number, norm)));
+        let remains =
+            self.since.is_some_and(|(first, at_first)| number >= first + MANY && norm > REMAINS * at_first);
+        without_energy && (norm <= tolerances.increment * scale || stagnates) || remains
     }
 }
 
