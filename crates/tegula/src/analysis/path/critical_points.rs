@@ -323,34 +323,40 @@ impl Search<'_> {
                 break;
             }
         }
-        let largest = largest_of(&known);
-        let (mut a, Trial { u, mut load, softest: (eigenvalue, mode), work, is_alone, .. }) =
-            best.ok_or("no bifurcation was located")?;
-        let part = eigenvalue.abs() / largest;
+        let best = best.ok_or("no bifurcation was located")?;
+        self.bifurcation(best, (&known, extrapolated), counts[1] - counts[0]).map(Located::Point)
+    }
+
+    /// Bifurcation next to the trial of the smallest eigenvalue, at which the number of negative eigenvalues changes by `change`; at the zero and load factor
+    /// that were extrapolated, where the trials beside it are lost in round-off.
+    ///
+    /// # Errors
+    /// The eigenvalue does not vanish there.
+    fn bifurcation(
+        &self,
+        (a, best): (f64, Trial),
+        (known, extrapolated): (&[Known], Option<[f64; 2]>),
+        change: i32,
+    ) -> Result<Found, String> {
+        let Trial { u, load, softest: (eigenvalue, mode), work, is_alone, .. } = best;
+        let part = eigenvalue.abs() / largest_of(known);
         let among_round_off = if self.curve.passes_round_off() && extrapolated.is_none() && part > JUMP {
-            zero_among_round_off(&known)
+            zero_among_round_off(known)
         } else {
             None
         };
-        let is_steady = is_alone || among_round_off.is_some() || passes_steadily(&known);
-        extrapolated = extrapolated.or(among_round_off);
+        let is_steady = is_alone || among_round_off.is_some() || passes_steadily(known);
+        let extrapolated = extrapolated.or(among_round_off);
         let vanishing = if extrapolated.is_some() { LOST } else { JUMP };
-        [a, load] = extrapolated.unwrap_or([a, load]);
+        let [a, load] = extrapolated.unwrap_or([a, load]);
         if !(part <= vanishing && work[0] <= larger(part, work[1]) && is_steady) {
             return Err(
                 "an eigenvalue does not vanish as at a bifurcation: the step has gone over to another path"
                     .into(),
             );
         }
-        let point = CriticalPoint {
-            kind: CriticalKind::Bifurcation,
-            load,
-            position: 0.0,
-            change: counts[1] - counts[0],
-            u,
-            mode,
-        };
-        Ok(Located::Point(Found { a, point }))
+        let kind = CriticalKind::Bifurcation;
+        Ok(Found { a, point: CriticalPoint { kind, load, position: 0.0, change, u, mode } })
     }
 }
 
