@@ -8,9 +8,8 @@
 //! contacts* (1996); V. Acary, B. Brogliato, *Numerical methods for nonsmooth dynamical systems* (2008), Ch. 8 (event-driven schemes).
 
 use super::Integrator;
-use super::break_away::BreakAway;
 use super::joint_modes::{CONTACT, moving, stands_beyond, stop_at};
-use super::tracked_coordinate::{EVENTS, Event, RESTING, SIDES, SPEED, Tracked};
+use super::tracked_coordinate::{EVENTS, Event, Holding, RESTING, SIDES, SPEED, Tracked};
 use super::{stick_slip, triads};
 use crate::Vec3;
 use crate::analysis::State;
@@ -24,8 +23,6 @@ use crate::system::{System, VectorKind};
 
 /// Factor of this limit where another coordinate comes to rest at the same time.
 const TOGETHER: f64 = 100.0;
-/// Excess of a multiplier over its limit that is round-off.
-const EXCESS: f64 = 1e-9;
 /// Force over its limit from which on it is asked how several coordinates that friction holds share their forces.
 const NEAR_LIMIT: f64 = 0.8;
 /// Step over the one first tried below which the event at its end is located.
@@ -348,6 +345,7 @@ impl JointEvents {
         }
     }
 
+    /// Looks at the modes and events of a solved step of length `h` from a state, which ends with these displacements and velocities.
     fn look(
         &mut self,
         system: &System,
@@ -358,41 +356,24 @@ impl JointEvents {
         let mut leave = false;
         for (k, c) in self.coordinates.iter_mut().enumerate() {
             let Some((_, joint, law)) = law(system, c.joint) else { continue };
-            let (before, trial) = (state.coordinates[k].value, &mut self.trial[k]);
+            let (before, trial) = (&state.coordinates[k], &mut self.trial[k]);
             let now = system.coordinate(joint, law, u);
-            trial.value = if law.is_angle { RelativeAngle::nearest(before, now) } else { now };
+            trial.value = if law.is_angle { RelativeAngle::nearest(before.value, now) } else { now };
             c.events = [Event::NONE; EVENTS];
             match trial.mode {
-                CoordinateMode::Held { stop, .. } => {
-                    let Tracked { force, limit, .. } = *c;
-                    let over = |acts: bool, force: f64| if acts { force - limit } else { f64::NEG_INFINITY };
-                    let excess = larger(over(stop <= 0.0, force), over(stop >= 0.0, -force));
-                    let leaves = !(excess <= EXCESS * limit);
-                    if leaves && c.changed && !c.shares {
-                        return contradiction(joint);
-                    }
-                    let CoordinateState { at_limit: breaks_away, excess: earlier, .. } = state.coordinates[k];
-                    // Others hold the coordinate while its friction is at the limit.
-                    let held_by_others = !leaves && excess >= -EXCESS * limit;
-                    if limit > 0.0 && !c.changed && !breaks_away && !held_by_others {
-                        if let Some(length) = BreakAway::look(&mut c.break_away, [h, excess], earlier, leaves)
-                        {
-                            return Review::Repeat(length);
-                        }
-                        trial.at_limit =
-                            !leaves && c.break_away.as_ref().is_some_and(|search| search.ends_at(h));
-                    }
-                    if leaves {
-                        (c.changed, c.shares, trial.mode) = (true, false, moving(law, force));
+                CoordinateMode::Held { stop, .. } => match c.look_at_force(law, (before, trial), stop, h) {
+                    Holding::Leaves => {
                         leave = true;
                         continue;
                     }
-                    trial.excess = [h, excess];
-                }
+                    Holding::Contradicts => return contradiction(joint),
+                    Holding::BreaksAwayIn(length) => return Review::Repeat(length),
+                    Holding::Stays => {}
+                },
                 CoordinateMode::Moving(direction) => {
                     let rate = system.coordinate_rate(joint, law, [u, velocities]);
                     let rests = c.rests_below(trial);
-                    c.find_events(law, (direction, rests), ([before, trial.value], rate), h);
+                    c.find_events(law, (direction, rests), ([before.value, trial.value], rate), h);
                 }
             }
             if c.events.iter().any(|event| event.has_passed() && event.start == f64::INFINITY) {
@@ -402,6 +383,13 @@ impl JointEvents {
         if leave {
             return Review::Changed;
         }
+        self.find_reached(system, (u, velocities), h);
+        self.search(h).map_or(Review::Fits, Review::Repeat)
+    }
+
+    /// Finds the coordinates that come to rest or reach a stop at the end of a solved step of length `h`, which ends with these displacements and
+    /// velocities. Coordinates that only round-off has moved are held.
+    fn find_reached(&mut self, system: &System, (u, velocities): (&[Nodal], &[Nodal]), h: f64) {
         for (c, trial) in self.coordinates.iter_mut().zip(&mut self.trial) {
             let Some((_, joint, law)) = law(system, c.joint) else { continue };
             let rate = system.coordinate_rate(joint, law, [u, velocities]);
@@ -429,7 +417,6 @@ impl JointEvents {
                 c.reached = (speed.end <= TOGETHER * speed.tolerance).then_some(0.0);
             }
         }
-        self.search(h).map_or(Review::Fits, Review::Repeat)
     }
 
     /// Length with which a step has to be repeated, because one of length `h` passes an event or ends before it: the first of the

@@ -1,7 +1,7 @@
 //! Event functions of the relative coordinates of joints with friction or stops: rest, and the stops that are reached.
 
 use super::break_away::BreakAway;
-use super::joint_modes::CONTACT;
+use super::joint_modes::{CONTACT, moving};
 use crate::constraint::{CoordinateLaw, CoordinateState};
 use crate::norm::larger;
 
@@ -9,6 +9,8 @@ use crate::norm::larger;
 const AT_REST: f64 = 1e-9;
 /// Distance from a stop over the size of the coordinate at which it is reached.
 const REACHED: f64 = 1e-11;
+/// Excess of a multiplier over its limit that is round-off.
+const EXCESS: f64 = 1e-9;
 /// Velocity over that of the fastest part of the model so far, below which a coordinate is at rest at the start or at a stop.
 pub(super) const RESTING: f64 = 1e-10;
 
@@ -36,6 +38,18 @@ impl Event {
     pub fn has_passed(&self) -> bool {
         self.end < -self.tolerance
     }
+}
+
+/// Outcome of the comparison of the force that holds a coordinate with its limits.
+pub(super) enum Holding {
+    /// The force is within its limits.
+    Stays,
+    /// The force is beyond a limit: the coordinate moves.
+    Leaves,
+    /// The force is beyond a limit although the coordinate has been chosen to stick.
+    Contradicts,
+    /// The step is repeated with this length: the search for the break-away goes on.
+    BreaksAwayIn(f64),
 }
 
 /// A relative coordinate in the present step.
@@ -102,5 +116,38 @@ impl Tracked {
                 false => Event { start, end, tolerance: REACHED },
             };
         }
+    }
+
+    /// Compares the force that holds a coordinate, at a stop or by friction (0), with its limits at the end of a step of length `h`, from its state at the
+    /// start to the one that is tried. A coordinate whose force is beyond a limit moves.
+    pub fn look_at_force(
+        &mut self,
+        law: &CoordinateLaw,
+        (before, trial): (&CoordinateState, &mut CoordinateState),
+        stop: f64,
+        h: f64,
+    ) -> Holding {
+        let Self { force, limit, .. } = *self;
+        let over = |acts: bool, force: f64| if acts { force - limit } else { f64::NEG_INFINITY };
+        let excess = larger(over(stop <= 0.0, force), over(stop >= 0.0, -force));
+        let leaves = !(excess <= EXCESS * limit);
+        if leaves && self.changed && !self.shares {
+            return Holding::Contradicts;
+        }
+        let CoordinateState { at_limit: breaks_away, excess: earlier, .. } = *before;
+        // Others hold the coordinate while its friction is at the limit.
+        let held_by_others = !leaves && excess >= -EXCESS * limit;
+        if limit > 0.0 && !self.changed && !breaks_away && !held_by_others {
+            if let Some(length) = BreakAway::look(&mut self.break_away, [h, excess], earlier, leaves) {
+                return Holding::BreaksAwayIn(length);
+            }
+            trial.at_limit = !leaves && self.break_away.as_ref().is_some_and(|search| search.ends_at(h));
+        }
+        if leaves {
+            (self.changed, self.shares, trial.mode) = (true, false, moving(law, force));
+            return Holding::Leaves;
+        }
+        trial.excess = [h, excess];
+        Holding::Stays
     }
 }
