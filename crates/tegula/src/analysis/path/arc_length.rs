@@ -9,13 +9,14 @@
 //! steps, so that a run can be resumed anywhere.
 
 mod inside_step;
+mod limits;
 mod opposite;
 mod step_length;
 mod switching;
 mod without_potential;
 
 use super::critical_points::Found;
-use super::series::{Series, is_flat, roots};
+use super::series::Series;
 use super::start::{away_from_critical_point, forward, in_equilibrium};
 use super::state::{
     ArcStart, CriticalKind, CriticalPoint, ExpansionPoint, PathState, ended_early, not_continued,
@@ -35,6 +36,7 @@ use crate::norm::larger;
 use crate::system::{CirculatoryStiffness, System, inverted_element};
 use crate::{Error, Result};
 use inside_step::{Explained, Known};
+use limits::EigenvalueCount;
 
 /// Convergence of an equilibrium: energy of the last increment over the strain energy, its norm over that of the displacement, and the
 /// most iterations.
@@ -56,9 +58,6 @@ const IN_PLACE: usize = 3;
 const SAME_PLACE: f64 = 1e-6;
 /// Distance of two load factors, over the size of the larger, below which they are one.
 const SAME_LOAD: f64 = 1e-12;
-
-/// Work of the loads on the direction beside a bifurcation, over their size, that is hardly any.
-const WORKLESS: f64 = 1e-2;
 
 /// A path of arc-length steps between two of its points.
 pub struct ArcLengthSteps<'a> {
@@ -289,56 +288,27 @@ impl<'a> ArcLengthSteps<'a> {
         let (mut unstable, whole) = (self.modes_at_end(&end), end.a);
         let mut next = self.next_length(arc, &end)?;
         let loads = self.loads(arc, &end);
-        let mut limits = roots(length, |a| loads.load_derivative(a, 1));
-        let flat = is_flat(&loads, length) && !self.is_driven();
-        let flat_limit = limits.last().is_some_and(|limit| is_flat(&loads, *limit));
-        let (mut negative, mut sign) = (self.state.negative_pivots, arc.tangent.determinant_sign);
-        let mut crossings = arc.tangent.crossings;
-        if flat_limit && self.begins_beside_bifurcation(&arc.tangent) {
-            // The eigenvalue that vanishes there, and the derivative of the load, are round-off at the start of the step.
-            limits.clear();
-            (negative, sign) = (end.negative, end.tangent.determinant_sign);
-            crossings = end.tangent.crossings;
-        }
-        if flat && end.negative == negative {
-            // Next to a bifurcation the load of a crossing path is constant, but for round-off. In a dead centre no eigenvalue vanishes.
-            if let [at] = limits[..] {
-                let mut known = Known::new(self, (arc, negative), &end);
-                self.refuse_fold(&mut known, (at, loads.load(at)), observer)?;
-            }
-            limits.clear();
-        }
-        let unchanged = end.negative == negative
-            && end.tangent.determinant_sign == sign
-            && end.tangent.crossings == crossings;
-        let simple = limits.is_empty() && unchanged;
+        let (limits, start) = self.limits(arc, (&end, &loads), observer)?;
+        let simple = limits.is_empty() && start == EigenvalueCount::of(&end);
         let has_potential = simple || self.have_potential(&end.equation);
         if limits.len() > 1 {
             return Err("there may be two limit points in the step".into());
         }
-        let mut critical = Vec::new();
-        let limit = limits.first().copied().unwrap_or(f64::INFINITY);
         let mut known = None;
-        let mut first = self.wanted(&loads, limit.min(length));
-        if first.is_none() && limits.len() == 1 {
-            let inside = known.insert(Known::new(self, (arc, negative), &end));
-            let (found, load) = self.locate_limit(inside, limit, observer)?;
-            let loads = self.loads(arc, &found);
-            first = self.wanted(&loads, found.a);
-            end = found;
-            if first.is_none() {
-                critical.push(self.extremum(inside, (&mut end, load), (has_potential, sign), observer)?);
-            }
-        }
-        if let Some((a, load)) = first {
-            let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), &end));
-            let tangent = PathTangent::between(self.system, [&arc.tangent, &end.tangent], a / end.a);
-            end = self.end_at_load(known, (a, load), tangent, observer)?;
-        }
+        let at = (arc, &mut known);
+        let limit = self.end_before(
+            at,
+            (&loads, limits.first().copied()),
+            (start, has_potential),
+            &mut end,
+            observer,
+        )?;
+        let mut critical = Vec::from_iter(limit);
         if end.a < length || length < planned {
             next = next.min(planned);
         }
-        let all = Explained { limits: &critical, negative, sign, crossings, has_potential };
+        let negative = start.negative;
+        let all = Explained { limits: &critical, start, has_potential };
         let mut found = self.other_bifurcations(&all, (arc, &mut known), &end, observer)?;
         if end.a != whole {
             unstable = self.modes_at_new_end(&end);
@@ -362,15 +332,6 @@ impl<'a> ArcLengthSteps<'a> {
         }
         let unstable = unstable.map(|(modes, _)| modes).filter(|_| end.a == judged);
         Ok(Outcome { end, negative, critical, unstable, length: next })
-    }
-
-    /// Whether a step in a direction leads away from a bifurcation at its load factor along the crossing path, on which the loads do hardly any work
-    /// there.
-    fn begins_beside_bifurcation(&self, direction: &PathTangent) -> bool {
-        let last = self.path().and_then(|path| path.critical.last());
-        let is_near = last.is_some_and(|point| point.is_bifurcation_beside(self.state.time));
-        let size = self.response.size_of_loads(self.system);
-        is_near && direction.work.abs() <= WORKLESS * size
     }
 
     /// Whether the follower loads have a potential at an equilibrium: then the tangent is symmetric.

@@ -3,6 +3,7 @@
 //! A trial begins at the nearest equilibrium that is known and goes along the direction there: next to a critical point the tangent is nearly
 //! singular, and an iteration that begins farther away may end on another path.
 
+use super::limits::EigenvalueCount;
 use super::{ArcLengthSteps, ArcStart, End, Plane, TOLERANCES, TURN};
 use crate::analysis::Observer;
 use crate::analysis::newton::{PathTangent, TangentPart};
@@ -292,16 +293,12 @@ impl ArcLengthSteps<'_> {
     }
 }
 
-/// Limit points of a step and negative eigenvalues at its start, which explain those at its end.
+/// Limit points of a step and eigenvalues at its start, which explain those at its end.
 pub(super) struct Explained<'f> {
     /// Limit points of the step.
     pub limits: &'f [Found],
-    /// Negative eigenvalues at its start.
-    pub negative: usize,
-    /// Sign of the determinant at its start.
-    pub sign: i8,
-    /// Eigenvalues that pass through zero while the circulatory part of the tangent at its start grows.
-    pub crossings: Option<usize>,
+    /// Eigenvalues of the tangent at its start.
+    pub start: EigenvalueCount,
     /// Whether the loads have a potential.
     pub has_potential: bool,
 }
@@ -315,11 +312,12 @@ impl ArcLengthSteps<'_> {
     /// No eigenvalue passes through zero: the step has gone over to another path.
     pub(super) fn other_bifurcations(
         &mut self,
-        &Explained { limits, negative, sign, crossings, has_potential }: &Explained,
+        &Explained { limits, start, has_potential }: &Explained,
         (arc, known): (&ArcStart, &mut Option<Known>),
         end: &End,
         observer: &mut dyn Observer,
     ) -> std::result::Result<Vec<Found>, String> {
+        let EigenvalueCount { negative, sign, crossings } = start;
         // Without a potential limit points are no zeros of the symmetric part.
         let explains = |found: &&Found| has_potential && found.point.change != 0;
         let zeros: Vec<(f64, i32)> = limits.iter().filter(explains).map(|f| (f.a, f.point.change)).collect();
