@@ -112,6 +112,10 @@ pub struct PointStrains {
     pub area: f64,
 }
 
+/// Covariant strains and curvatures from the sampled strains.
+type CovariantStrains = SMatrix<f64, 6, SAMPLES_WITHOUT_ANS_SHEAR>;
+type CovariantCurvatures = SMatrix<f64, 3, SAMPLES_WITHOUT_ANS_SHEAR>;
+
 impl EmsShell {
     /// Index of the first sampled thickness strain; these come last.
     fn zz(&self) -> usize {
@@ -199,7 +203,6 @@ impl EmsShell {
     /// the centre of curvature of the surface.
     pub fn point_strains(&self, g: &ShellGeometry, point: usize) -> Result<PointStrains, String> {
         let [xi, eta] = GAUSS_POINTS[point];
-        let (i_xi, i_eta) = (point % 2, point / 2);
         let middle = self.on_middle(g);
         let base = covariant_base(&middle.positions, &middle.directors, xi, eta);
         if self.offset != 0.0 {
@@ -223,42 +226,7 @@ impl EmsShell {
             .filter(|(b, _)| area > 0.0 && b.iter().all(|x| x.is_finite()))
             .ok_or("it is collapsed: its area vanishes at an integration point")?;
 
-        let mut covariant = SMatrix::<f64, 6, SAMPLES_WITHOUT_ANS_SHEAR>::zeros();
-        covariant[(0, i_eta)] = 1.0;
-        covariant[(1, 2 + i_xi)] = 1.0;
-        covariant[(2, 4 + point)] = 1.0;
-        if self.ans_thickness {
-            for (a, n) in shape(xi, eta).into_iter().enumerate() {
-                covariant[(3, self.zz() + a)] = n;
-            }
-        } else {
-            covariant[(3, self.zz() + point)] = 1.0;
-        }
-        if self.ans_shear {
-            for (i, side) in [-1.0, 1.0].into_iter().enumerate() {
-                covariant[(4, SHEAR + i)] = 0.5 * (1.0 + side * eta);
-                covariant[(5, SHEAR + 2 + i)] = 0.5 * (1.0 + side * xi);
-            }
-        } else {
-            covariant[(4, SHEAR + point)] = 1.0;
-            covariant[(5, SHEAR + 4 + point)] = 1.0;
-        }
-        let mut curvature = SMatrix::<f64, 3, SAMPLES_WITHOUT_ANS_SHEAR>::zeros();
-        curvature[(0, KXX + i_eta)] = 1.0;
-        curvature[(1, KYY + i_xi)] = 1.0;
-        curvature[(2, KXY + point)] = 1.0;
-
-        if let Some(hourglass) = HourglassWeights::of(self.membrane, g) {
-            let membrane = InPlaneSamples { xx: 0, yy: 2, xy: 4 };
-            hourglass.apply(membrane, 0, point, 0, &mut |row, sample, value| {
-                covariant[(row, sample)] += value;
-            });
-            let bending = InPlaneSamples { xx: KXX, yy: KYY, xy: KXY };
-            hourglass.apply(bending, 1, point, 0, &mut |row, sample, value| {
-                curvature[(row, sample)] += value;
-            });
-        }
-
+        let (covariant, curvature) = self.covariant_strains(g, point);
         let mut matrix = SMatrix::<f64, 9, SAMPLES_WITHOUT_ANS_SHEAR>::zeros();
         matrix
             .fixed_view_mut::<6, SAMPLES_WITHOUT_ANS_SHEAR>(0, 0)
@@ -286,6 +254,49 @@ impl EmsShell {
             }
         }
         Ok(strains)
+    }
+
+    /// Interpolation of the covariant strains ε̃xx, ε̃yy, 2ε̃xy, ε̃zz, 2ε̃xz, 2ε̃yz and curvatures κ̃xx, κ̃yy, 2κ̃xy at a Gauss point from the sampled
+    /// strains (eqs. 33, 34), for an element with its nodes on the middle surface of the layers.
+    fn covariant_strains(&self, g: &ShellGeometry, point: usize) -> (CovariantStrains, CovariantCurvatures) {
+        let [xi, eta] = GAUSS_POINTS[point];
+        let (i_xi, i_eta) = (point % 2, point / 2);
+        let mut covariant = CovariantStrains::zeros();
+        covariant[(0, i_eta)] = 1.0;
+        covariant[(1, 2 + i_xi)] = 1.0;
+        covariant[(2, 4 + point)] = 1.0;
+        if self.ans_thickness {
+            for (a, n) in shape(xi, eta).into_iter().enumerate() {
+                covariant[(3, self.zz() + a)] = n;
+            }
+        } else {
+            covariant[(3, self.zz() + point)] = 1.0;
+        }
+        if self.ans_shear {
+            for (i, side) in [-1.0, 1.0].into_iter().enumerate() {
+                covariant[(4, SHEAR + i)] = 0.5 * (1.0 + side * eta);
+                covariant[(5, SHEAR + 2 + i)] = 0.5 * (1.0 + side * xi);
+            }
+        } else {
+            covariant[(4, SHEAR + point)] = 1.0;
+            covariant[(5, SHEAR + 4 + point)] = 1.0;
+        }
+        let mut curvature = CovariantCurvatures::zeros();
+        curvature[(0, KXX + i_eta)] = 1.0;
+        curvature[(1, KYY + i_xi)] = 1.0;
+        curvature[(2, KXY + point)] = 1.0;
+
+        if let Some(hourglass) = HourglassWeights::of(self.membrane, g) {
+            let membrane = InPlaneSamples { xx: 0, yy: 2, xy: 4 };
+            hourglass.apply(membrane, 0, point, 0, &mut |row, sample, value| {
+                covariant[(row, sample)] += value;
+            });
+            let bending = InPlaneSamples { xx: KXX, yy: KYY, xy: KXY };
+            hourglass.apply(bending, 1, point, 0, &mut |row, sample, value| {
+                curvature[(row, sample)] += value;
+            });
+        }
+        (covariant, curvature)
     }
 
     /// Amplitudes of the enhanced shear modes that the assumed shear projects out, from the sampled strains.
