@@ -101,110 +101,36 @@ impl Layup {
     /// looked at.
     pub fn expand(&self, key: &str) -> Result<Vec<StackedPly>, Vec<Issue>> {
         let mut issues = Vec::new();
-        let mut add =
-            |at: String, message: String, help: &str| issues.push(Issue::new(at, message, help.to_string()));
-        let (mut repeat, mut symmetric) = (self.repeat, self.symmetric);
-        let own_thickness = self.ply_thickness.filter(|t| !positive(*t));
-        if let Some(t) = own_thickness {
+        if let Some(t) = self.ply_thickness.filter(|t| !positive(*t)) {
             add(
+                &mut issues,
                 format!("{key}.ply_thickness"),
                 format!("the thickness of the plies is {t}; it must be above 0"),
                 "give the thickness of one cured ply",
             );
         }
-        let mut period = Vec::new();
-        match (&self.stacking, self.plies.is_empty()) {
-            (None, true) => add(
-                key.into(),
-                "the layup has no plies".into(),
-                "list `plies`, or give `stacking` such as \"[0/90]s\" with `material` and `ply_thickness`",
-            ),
-            (Some(_), false) => add(
-                format!("{key}.stacking"),
-                "the layup has both `stacking` and `plies`".into(),
-                "keep one of them",
-            ),
-            (Some(text), true) => match stacking::parse(text) {
-                Err(reason) => add(
-                    format!("{key}.stacking"),
-                    format!("the stacking sequence \"{text}\" cannot be read: {reason}"),
-                    "write it like \"[0/90/±45]2s\", angles in degrees from the bottom to the top",
-                ),
-                Ok(s) => {
-                    if s.symmetric && self.symmetric || s.repeat.is_some() && self.repeat != 1 {
-                        add(
-                            format!("{key}.stacking"),
-                            format!(
-                                "\"{text}\" and the keys `symmetric` or `repeat` say the same thing twice"
-                            ),
-                            "say it in the string or in the keys",
-                        );
-                    }
-                    symmetric |= s.symmetric;
-                    repeat = s.repeat.unwrap_or(self.repeat);
-                    period.extend(s.angles.into_iter().map(|angle| LayupPly {
-                        material: None,
-                        angle,
-                        thickness: None,
-                    }));
-                }
-            },
-            (None, false) => period.clone_from(&self.plies),
-        }
+        let Period { plies, repeat, symmetric } = self.period(key, &mut issues);
         // With `stacking` all plies lack the same; one message is enough.
-        let (checked, at) = match self.stacking {
-            Some(_) => (&period[..period.len().min(1)], None),
-            None => (&period[..], Some(())),
-        };
-        for (i, p) in checked.iter().enumerate() {
-            let here = at.map_or(key.to_string(), |()| format!("{key}.plies[{i}]"));
-            if !p.angle.is_finite() {
-                add(format!("{here}.angle"), "the angle is not a number".into(), "give it in degrees");
-            }
-            if p.material.is_none() && self.material.is_none() {
-                add(
-                    here.clone(),
-                    "the material is missing".into(),
-                    "add `material`, the name of a material, to the layup or to each of its plies",
-                );
-            }
-            match p.thickness {
-                Some(t) if !positive(t) => add(
-                    format!("{here}.thickness"),
-                    format!("the thickness is {t}; it must be above 0"),
-                    "give the thickness of the cured ply",
-                ),
-                None if self.ply_thickness.is_none() => add(
-                    here,
-                    "the thickness is missing".into(),
-                    "add `ply_thickness` to the layup or `thickness` to each of its plies",
-                ),
-                _ => {}
-            }
+        match self.stacking {
+            Some(_) => plies.iter().take(1).for_each(|ply| self.check_ply(ply, key, &mut issues)),
+            None => plies.iter().enumerate().for_each(|(i, ply)| {
+                self.check_ply(ply, &format!("{key}.plies[{i}]"), &mut issues);
+            }),
         }
-        let all = period.len().saturating_mul(repeat).saturating_mul(if symmetric { 2 } else { 1 });
+        let all = plies.len().saturating_mul(repeat).saturating_mul(if symmetric { 2 } else { 1 });
         if repeat == 0 || all > MOST_PLIES {
             add(
+                &mut issues,
                 format!("{key}.repeat"),
                 format!("repeated {repeat} times the layup has {all} plies; it must have 1 to {MOST_PLIES}"),
                 "leave `repeat` out to take the plies once",
             );
         }
-        let d = self.direction;
-        if !d.iter().map(|x| x * x).sum::<f64>().is_normal() {
-            add(
-                format!("{key}.direction"),
-                "the direction of 0° must be a vector with a length".into(),
-                "give it like [1, 0, 0]; its length does not matter",
-            );
-        }
-        if !self.offset.is_finite() {
-            add(format!("{key}.offset"), "the offset is not a number".into(), "leave it out for 0");
-        }
+        self.check_placement(key, &mut issues);
         if !issues.is_empty() {
             return Err(issues);
         }
-        let half: Vec<StackedPly> = period
+        let half: Vec<StackedPly> = plies
             .iter()
             .filter_map(|p| {
                 Some(StackedPly {
@@ -220,6 +146,108 @@ impl Layup {
         }
         Ok(stack)
     }
+
+    /// Plies that are repeated, from `plies` or the stacking sequence; none where these cannot be read.
+    fn period(&self, key: &str, issues: &mut Vec<Issue>) -> Period {
+        let mut period = Period { plies: Vec::new(), repeat: self.repeat, symmetric: self.symmetric };
+        match (&self.stacking, self.plies.is_empty()) {
+            (None, true) => add(
+                issues,
+                key.into(),
+                "the layup has no plies".into(),
+                "list `plies`, or give `stacking` such as \"[0/90]s\" with `material` and `ply_thickness`",
+            ),
+            (Some(_), false) => add(
+                issues,
+                format!("{key}.stacking"),
+                "the layup has both `stacking` and `plies`".into(),
+                "keep one of them",
+            ),
+            (Some(text), true) => match stacking::parse(text) {
+                Err(reason) => add(
+                    issues,
+                    format!("{key}.stacking"),
+                    format!("the stacking sequence \"{text}\" cannot be read: {reason}"),
+                    "write it like \"[0/90/±45]2s\", angles in degrees from the bottom to the top",
+                ),
+                Ok(s) => {
+                    if s.symmetric && self.symmetric || s.repeat.is_some() && self.repeat != 1 {
+                        add(
+                            issues,
+                            format!("{key}.stacking"),
+                            format!(
+                                "\"{text}\" and the keys `symmetric` or `repeat` say the same thing twice"
+                            ),
+                            "say it in the string or in the keys",
+                        );
+                    }
+                    period.symmetric |= s.symmetric;
+                    period.repeat = s.repeat.unwrap_or(self.repeat);
+                    let ply = |angle| LayupPly { material: None, angle, thickness: None };
+                    period.plies.extend(s.angles.into_iter().map(ply));
+                }
+            },
+            (None, false) => period.plies.clone_from(&self.plies),
+        }
+        period
+    }
+
+    /// Checks the values of a ply, with those of the layup in place of the ones that it does not give.
+    fn check_ply(&self, ply: &LayupPly, key: &str, issues: &mut Vec<Issue>) {
+        if !ply.angle.is_finite() {
+            add(issues, format!("{key}.angle"), "the angle is not a number".into(), "give it in degrees");
+        }
+        if ply.material.is_none() && self.material.is_none() {
+            add(
+                issues,
+                key.into(),
+                "the material is missing".into(),
+                "add `material`, the name of a material, to the layup or to each of its plies",
+            );
+        }
+        match ply.thickness {
+            Some(t) if !positive(t) => add(
+                issues,
+                format!("{key}.thickness"),
+                format!("the thickness is {t}; it must be above 0"),
+                "give the thickness of the cured ply",
+            ),
+            None if self.ply_thickness.is_none() => add(
+                issues,
+                key.into(),
+                "the thickness is missing".into(),
+                "add `ply_thickness` to the layup or `thickness` to each of its plies",
+            ),
+            _ => {}
+        }
+    }
+
+    /// Checks the direction of 0° and the offset from the mesh.
+    fn check_placement(&self, key: &str, issues: &mut Vec<Issue>) {
+        let d = self.direction;
+        if !d.iter().map(|x| x * x).sum::<f64>().is_normal() {
+            add(
+                issues,
+                format!("{key}.direction"),
+                "the direction of 0° must be a vector with a length".into(),
+                "give it like [1, 0, 0]; its length does not matter",
+            );
+        }
+        if !self.offset.is_finite() {
+            add(issues, format!("{key}.offset"), "the offset is not a number".into(), "leave it out for 0");
+        }
+    }
+}
+
+/// Plies of a layup without their repeats and mirror image.
+struct Period {
+    plies: Vec<LayupPly>,
+    repeat: usize,
+    symmetric: bool,
+}
+
+fn add(issues: &mut Vec<Issue>, at: String, message: String, help: &str) {
+    issues.push(Issue::new(at, message, help.to_string()));
 }
 
 impl Layers for Layup {
