@@ -58,12 +58,32 @@ impl Section {
     ) -> Option<CompiledSection> {
         let thickness = self.whole_thickness() * factor;
         let described = self.layers().map(|(_, layers)| layers);
-        let offset = self.offset();
-        let element = registry::shell(self, thickness);
-        let mut layers = Vec::new();
-        let mut plies = Vec::new();
-        let mut laws: Vec<Law> = Vec::new();
-        let mut bottom = offset - 0.5 * thickness;
+        let Stack { layers, plies, laws } = self.stack(materials, laws_of_caller, (thickness, factor))?;
+        let (resultant, inertia) = self.resultant(&layers, plies, thickness)?;
+        Some(CompiledSection {
+            thickness,
+            offset: self.offset(),
+            inertia,
+            isotropic: self.is_equally_corrected() && layers.iter().all(|l| l.material.is_isotropic()),
+            layers,
+            laws,
+            direction: described.map_or(Vec3::x(), |layers| Vec3::from(layers.direction())),
+            resultant,
+            shear_factors: self.shear_correction.unwrap_or([1.0; 2]),
+            shear_stabilization: self.shear_stabilization,
+        })
+    }
+
+    /// Layers of the section from the bottom to the top, each a factor times as thick, with the laws of their materials; `None` if one is missing.
+    fn stack(
+        &self,
+        materials: &BTreeMap<String, Material>,
+        laws_of_caller: &BTreeMap<String, OwnLaw>,
+        (thickness, factor): (f64, f64),
+    ) -> Option<Stack> {
+        let is_solid = registry::shell(self, thickness).is_solid();
+        let mut stack = Stack { layers: Vec::new(), plies: Vec::new(), laws: Vec::new() };
+        let mut bottom = self.offset() - 0.5 * thickness;
         for mut ply in self.plies() {
             ply.thickness *= factor;
             let material = materials.get(&ply.material)?;
@@ -75,19 +95,19 @@ impl Section {
             let mut layer = Layer::new(&ply.material, material, heights, angle, points, plastic);
             if !material.is_linear() {
                 let law = match laws_of_caller.get(&ply.material) {
-                    Some(own) if element.is_solid() => Law::Own(own.clone()),
-                    _ if element.is_solid() => material.law_3d(),
+                    Some(own) if is_solid => Law::Own(own.clone()),
+                    _ if is_solid => material.law_3d(),
                     _ => material.law_plane_stress()?,
                 };
-                let known = laws.iter().position(|l| *l == law);
-                layer.law = Some(known.unwrap_or(laws.len()));
+                let known = stack.laws.iter().position(|l| *l == law);
+                layer.law = Some(known.unwrap_or(stack.laws.len()));
                 if known.is_none() {
-                    laws.push(law);
+                    stack.laws.push(law);
                 }
             }
             if let Some((plane_stress, shear, thickness_modulus)) = material.plane_stress() {
                 let density = material.density();
-                plies.push(Ply {
+                stack.plies.push(Ply {
                     thickness: ply.thickness,
                     angle,
                     plane_stress,
@@ -96,10 +116,20 @@ impl Section {
                     density,
                 });
             }
-            layers.push(layer);
+            stack.layers.push(layer);
         }
-        let single = match &layers[..] {
-            [layer] if described.is_none() => Some(&layer.material),
+        Some(stack)
+    }
+
+    /// Stiffness of the stress resultants, and the inertia, of the layers; `None` where the layup is wrong.
+    fn resultant(
+        &self,
+        layers: &[Layer],
+        plies: Vec<Ply>,
+        thickness: f64,
+    ) -> Option<(Resultant, SectionInertia)> {
+        let single = match layers {
+            [layer] if self.layers().is_none() => Some(&layer.material),
             _ => None,
         };
         let stretch = layers.iter().map(|l| l.moments()[0] * modulus(&l.material)).sum();
@@ -107,12 +137,11 @@ impl Section {
             Some(m) => SectionInertia::homogeneous(m.density(), thickness),
             None => SectionInertia { mass: 0.0, rotary: 0.0, coupling: 0.0 },
         };
-        let alike = self.shear_correction.is_none_or(|[x, y]| x == y);
-        let resultant = if let (Some(Material::Isotropic(m)), true) = (single, alike) {
+        let resultant = if let (Some(Material::Isotropic(m)), true) = (single, self.is_equally_corrected()) {
             let factors = self.shear_correction.unwrap_or([5.0 / 6.0; 2]);
             Resultant::Isotropic(SectionStiffness::homogeneous(m, thickness, factors))
         } else if plies.len() == layers.len() {
-            let mut laminate = Laminate::new(plies).and_then(|l| l.with_offset(offset)).ok()?;
+            let mut laminate = Laminate::new(plies).and_then(|l| l.with_offset(self.offset())).ok()?;
             if let Some(factors) = self.shear_correction {
                 laminate = laminate.with_shear_correction(factors).ok()?;
             }
@@ -124,26 +153,28 @@ impl Section {
             Resultant::None(stretch)
         };
         if matches!(resultant, Resultant::None(_)) && single.is_none() {
-            for layer in &layers {
+            for layer in layers {
                 let [z0, z1, z2] = layer.moments().map(|m| m * layer.material.density());
                 inertia.mass += z0;
                 inertia.coupling += z1;
                 inertia.rotary += z2;
             }
         }
-        Some(CompiledSection {
-            thickness,
-            offset,
-            inertia,
-            isotropic: alike && layers.iter().all(|l| l.material.is_isotropic()),
-            layers,
-            laws,
-            direction: described.map_or(Vec3::x(), |layers| Vec3::from(layers.direction())),
-            resultant,
-            shear_factors: self.shear_correction.unwrap_or([1.0; 2]),
-            shear_stabilization: self.shear_stabilization,
-        })
+        Some((resultant, inertia))
     }
+
+    /// Whether the shear correction is equal in both directions.
+    fn is_equally_corrected(&self) -> bool {
+        self.shear_correction.is_none_or(|[x, y]| x == y)
+    }
+}
+
+/// Layers of a section, and the plies of the linear ones.
+struct Stack {
+    layers: Vec<Layer>,
+    plies: Vec<Ply>,
+    /// Nonlinear laws, each once.
+    laws: Vec<Law>,
 }
 
 /// Young's modulus across the thickness, for estimates.
