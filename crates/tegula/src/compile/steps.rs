@@ -245,34 +245,83 @@ fn one_step(
     of_list("prescribed_strains", model.prescribed_strains.len(), step.prescribed_strains.len());
     let (joints, joint_keys) = step_joints::acting(model, step);
     keys.extend(joint_keys);
+    let last = before.map(|(_, before)| before);
+    let (loads, continued) = continued_loads(model, step, last);
+    let (prescribed_strains, strains) = continued_strains(model, step, last);
+    let conditions = [model.conditions.clone(), step.conditions.clone()].concat();
+    StepModel {
+        name: name(step, number),
+        starts_from: before.map(|(i, _)| i),
+        ends_at: end_of(&step.analysis),
+        staying: conditions.iter().map(|condition| motion_stays(condition, step, last)).collect(),
+        released: step.released.clone(),
+        locked: step.locked.clone(),
+        strains,
+        model: Model {
+            analysis: step.analysis.clone(),
+            conditions,
+            loads,
+            prescribed_strains,
+            joints,
+            initial_velocities: step.initial_velocities.clone(),
+            output: output(model, step),
+            steps: Vec::new(),
+            ..model.clone()
+        },
+        loads: continued,
+        of_caller: last.map_or_else(Continued::default, |before| Continued {
+            start: end_factor(before, &before.of_caller, None),
+            released: false,
+            held: stays_as_left(step, before) || stays_again(step, &before.of_caller),
+        }),
+        keys,
+        place: Some(format!("steps[{number}]")),
+    }
+}
+
+/// Loads of a step and their continuation from the step before; behind those of the model file the loads that only that step has, which fall
+/// to 0 in a static step.
+fn continued_loads(
+    model: &Model,
+    step: &AnalysisStep,
+    before: Option<&StepModel>,
+) -> (Vec<Load>, Vec<Continued>) {
     let is_static = step.analysis.seeks_equilibria();
     let mut loads = [model.loads.clone(), step.loads.clone()].concat();
     let mut continued = vec![Continued::default(); loads.len()];
-    if let Some((_, before)) = before {
-        let found = partners(&before.model.loads, &loads, Load::without_amplitude);
-        for ((old, was), partner) in before.model.loads.iter().zip(&before.loads).zip(found) {
-            let start = end_factor(before, was, old.amplitude().as_deref());
-            match partner {
-                Some(i) => {
-                    let stays = (stays_as_left(step, before) || stays_again(step, was))
-                        && !was.released
-                        && loads[i].amplitude().is_none();
-                    continued[i] = Continued { start, held: stays, ..Continued::default() };
-                }
-                None if is_static && start != 0.0 => {
-                    loads.push(old.clone());
-                    continued.push(Continued { start, released: true, held: false });
-                }
-                None => {}
+    let Some(before) = before else { return (loads, continued) };
+    let found = partners(&before.model.loads, &loads, Load::without_amplitude);
+    for ((old, was), partner) in before.model.loads.iter().zip(&before.loads).zip(found) {
+        let start = end_factor(before, was, old.amplitude().as_deref());
+        match partner {
+            Some(i) => {
+                let stays = (stays_as_left(step, before) || stays_again(step, was))
+                    && !was.released
+                    && loads[i].amplitude().is_none();
+                continued[i] = Continued { start, held: stays, ..Continued::default() };
             }
+            None if is_static && start != 0.0 => {
+                loads.push(old.clone());
+                continued.push(Continued { start, released: true, held: false });
+            }
+            None => {}
         }
     }
+    (loads, continued)
+}
+
+/// Prescribed strains of a step, and the continuation of [`all_strains`] from the step before, with their amplitudes.
+fn continued_strains(
+    model: &Model,
+    step: &AnalysisStep,
+    before: Option<&StepModel>,
+) -> (Vec<PrescribedStrain>, Vec<(Continued, Option<String>)>) {
     let strains = [model.prescribed_strains.clone(), step.prescribed_strains.clone()].concat();
     let all = all_strains(model);
     let bare: Vec<PrescribedStrain> = strains.iter().map(PrescribedStrain::without_amplitude).collect();
     let own = partners(&all, &bare, PrescribedStrain::clone);
     let continued_strain = |(i, own): (usize, &Option<usize>)| {
-        let earlier = before.and_then(|(_, b)| Some((b, b.strains.get(i)?)));
+        let earlier = before.and_then(|before| Some((before, before.strains.get(i)?)));
         let start = earlier.map_or(0.0, |(b, (was, amplitude))| end_factor(b, was, amplitude.as_deref()));
         let amplitude = own.and_then(|o| strains[o].amplitude().cloned());
         let had = earlier.is_some_and(|(_, (was, _))| !was.released);
@@ -283,43 +332,18 @@ fn one_step(
                 .is_some_and(|(before, (was, _))| stays_as_left(step, before) || stays_again(step, was));
         (Continued { start, released: own.is_none(), held: stays }, amplitude)
     };
-    let conditions = [model.conditions.clone(), step.conditions.clone()].concat();
-    let stays = |condition: &Condition| {
-        let without_amplitude = condition.motion().is_some_and(|motion| motion.amplitude.is_none());
-        let left = |before: &StepModel| {
-            let place = before.model.conditions.iter().position(|other| other == condition);
-            place.is_some_and(|i| stays_as_left(step, before) || (is_motion(step) && before.staying[i]))
-        };
-        without_amplitude && before.is_some_and(|(_, before)| left(before))
+    let continued = own.iter().enumerate().map(continued_strain).collect();
+    (strains, continued)
+}
+
+/// Whether a condition of a step prescribes a motion that stays where the step before has left it.
+fn motion_stays(condition: &Condition, step: &AnalysisStep, before: Option<&StepModel>) -> bool {
+    let without_amplitude = condition.motion().is_some_and(|motion| motion.amplitude.is_none());
+    let left = |before: &StepModel| {
+        let place = before.model.conditions.iter().position(|other| other == condition);
+        place.is_some_and(|i| stays_as_left(step, before) || (is_motion(step) && before.staying[i]))
     };
-    StepModel {
-        name: name(step, number),
-        starts_from: before.map(|(i, _)| i),
-        ends_at: end_of(&step.analysis),
-        staying: conditions.iter().map(stays).collect(),
-        released: step.released.clone(),
-        locked: step.locked.clone(),
-        strains: own.iter().enumerate().map(continued_strain).collect(),
-        model: Model {
-            analysis: step.analysis.clone(),
-            conditions,
-            loads,
-            prescribed_strains: strains,
-            joints,
-            initial_velocities: step.initial_velocities.clone(),
-            output: output(model, step),
-            steps: Vec::new(),
-            ..model.clone()
-        },
-        loads: continued,
-        of_caller: before.map_or_else(Continued::default, |(_, before)| Continued {
-            start: end_factor(before, &before.of_caller, None),
-            released: false,
-            held: stays_as_left(step, before) || stays_again(step, &before.of_caller),
-        }),
-        keys,
-        place: Some(format!("steps[{number}]")),
-    }
+    without_amplitude && before.is_some_and(left)
 }
 
 pub(super) fn name(step: &AnalysisStep, number: usize) -> String {
