@@ -69,40 +69,8 @@ fn tied(
     let mut followers = BTreeSet::new();
     for &node in &nodes {
         let label = mesh.node_label(node);
-        let position = coordinates.position_of[node as usize];
-        if let Some(quad) = quads.iter().find(|quad| mesh.quads[**quad as usize].contains(&node)) {
-            return Err((
-                "on",
-                format!(
-                    "node {label} belongs to element {} of the set \"{}\", which it would have to follow",
-                    mesh.quad_label(*quad as usize),
-                    tie.to
-                ),
-                "give disjoint parts of the mesh to `on` and `to`".into(),
-            ));
-        }
-        if position == u32::MAX {
-            return Err((
-                "on",
-                format!("node {label} belongs to no element"),
-                "take it out of the set".into(),
-            ));
-        }
-        let directors: Vec<u32> = (position..coordinates.len() as u32)
-            .take_while(|v| coordinates.nodes[*v as usize] == node)
-            .filter(|v| coordinates.kinds[*v as usize] == VectorKind::Director)
-            .collect();
-        let director = match directors[..] {
-            _ if !tie.rotations => None,
-            [director] => Some((director, reference(director))),
-            _ => {
-                return Err((
-                    "on",
-                    format!("node {label} lies on a fold and has {} directors", directors.len()),
-                    "say `rotations = false`, or take the node out of the set".into(),
-                ));
-            }
-        };
+        let (position, director) = follower(tie, node, (mesh, &quads), coordinates)?;
+        let director = director.map(|d| (d, reference(d)));
         let followed =
             corners.point(&quads, &reference(position), (reference, length)).map_err(|(message, _)| {
                 let help = "tie nodes that lie in or on the elements, within their thickness";
@@ -147,4 +115,42 @@ fn tied(
         law: None,
         counted: None,
     })
+}
+
+/// Position of a node that follows elements, and its director where rotations follow, too.
+fn follower(
+    tie: &Tie,
+    node: u32,
+    (mesh, quads): (&Mesh, &[u32]),
+    coordinates: &Coordinates,
+) -> Result<(u32, Option<u32>), Mistake> {
+    let label = mesh.node_label(node);
+    let position = coordinates.position_of[node as usize];
+    if let Some(quad) = quads.iter().find(|quad| mesh.quads[**quad as usize].contains(&node)) {
+        return Err((
+            "on",
+            format!(
+                "node {label} belongs to element {} of the set \"{}\", which it would have to follow",
+                mesh.quad_label(*quad as usize),
+                tie.to
+            ),
+            "give disjoint parts of the mesh to `on` and `to`".into(),
+        ));
+    }
+    if position == u32::MAX {
+        return Err(("on", format!("node {label} belongs to no element"), "take it out of the set".into()));
+    }
+    let directors: Vec<u32> = (position..coordinates.len() as u32)
+        .take_while(|v| coordinates.nodes[*v as usize] == node)
+        .filter(|v| coordinates.kinds[*v as usize] == VectorKind::Director)
+        .collect();
+    match directors[..] {
+        _ if !tie.rotations => Ok((position, None)),
+        [director] => Ok((position, Some(director))),
+        _ => Err((
+            "on",
+            format!("node {label} lies on a fold and has {} directors", directors.len()),
+            "say `rotations = false`, or take the node out of the set".into(),
+        )),
+    }
 }
