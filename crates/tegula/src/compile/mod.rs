@@ -37,6 +37,7 @@ mod sections;
 mod sensors;
 mod springs;
 mod step_joints;
+mod step_loads;
 mod step_start;
 mod steps;
 mod ties;
@@ -49,8 +50,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::constraint::{
-    Bushing, BushingGroup, FoundationGroup, Joint, JointGroup, Sensor, Spring, SpringGroup, TorsionSpring,
-    TorsionSpringGroup,
+    Bushing, BushingGroup, FoundationElement, FoundationGroup, Joint, JointGroup, Sensor, Spring,
+    SpringGroup, TorsionSpring, TorsionSpringGroup,
 };
 use crate::element::{ElementGroup, Nodal, director_angle};
 use crate::load::{FollowerLoad, NodalLoad, OwnLoad};
@@ -65,9 +66,7 @@ use crate::system::{
     Reduction, Shell, ShellSection, StepStart, System,
 };
 use crate::{Error, Issue, Result};
-use actions::{
-    added_masses, contradictions, dead_loads, drilling_components, follower_loads, initial_velocity, supports,
-};
+use actions::{added_masses, contradictions, dead_loads, initial_velocity, supports};
 use assembly::Assembled;
 pub use imperfections::imperfect_mesh;
 use inner_point::Corners;
@@ -154,22 +153,10 @@ impl<'a> Compiler<'a> {
         mesh: &'a Mesh,
         laws: &BTreeMap<String, Arc<dyn MaterialLaw>>,
     ) -> Result<Self> {
-        let mut issues = check::keys(model);
-        issues.extend(body_inertia::unread_surfaces(model));
-        if !issues.is_empty() && !model.beams.is_empty() {
-            return Err(Error::Model(issues));
-        }
         let without_shells = model.mesh == MeshSource::None && mesh.quads.is_empty();
-        if !without_shells {
-            issues.extend(quality::check(mesh));
-        }
-        issues.extend(check::sets(model, mesh));
-        let model = &beams::with_nodes(model);
-        let steps = steps::steps(model);
-        issues.extend(laws.keys().filter_map(|name| irreplaceable(model, name)));
-        if !issues.is_empty() {
-            return Err(Error::Model(issues));
-        }
+        let (model, steps) = checked(model, mesh, laws)?;
+        let model = &model;
+        let mut issues = Vec::new();
         let laws = laws.iter().map(|(name, law)| (name.clone(), OwnLaw(Arc::clone(law)))).collect();
         let directors =
             if without_shells { Directors::default() } else { Directors::of(mesh, model.mesh.fold_angle())? };
@@ -191,17 +178,13 @@ impl<'a> Compiler<'a> {
         let (of_beams, mut beams) = beams::elements(model, &vectors.coordinates);
         beams.iter_mut().for_each(|beam| beam.group += elements.groups.len());
         elements.groups.extend(of_beams);
-        let before = elements.groups.len();
-        elements.groups.extend(JointGroup::groups(&joints));
-        let joint_groups = before..elements.groups.len();
-        elements.groups.extend(SpringGroup::groups(&springs));
-        let before = elements.groups.len();
-        elements.groups.extend(TorsionSpringGroup::groups(&torsion_springs));
-        let places = TorsionSpringGroup::places(&torsion_springs);
-        let places = places.into_iter().map(|[group, number]| [before + group, number]);
-        elements.groups.extend(BushingGroup::groups(&bushings));
         let foundations = foundations::elements(model, mesh, &vectors.coordinates);
-        elements.groups.extend(FoundationGroup::groups(&foundations));
+        let (joint_groups, places) = add_groups(
+            &mut elements.groups,
+            (&joints, &foundations),
+            (&springs, &torsion_springs),
+            &bushings,
+        );
         let place = Place { model, mesh, coordinates: &vectors.coordinates, length, corners: &corners };
         let sensors = sensors::sensors(&place, &joints, &mut issues);
         let outline = outline::outline(&place, &beams);
@@ -240,20 +223,25 @@ impl<'a> Compiler<'a> {
             own_loads: Vec::new(),
             assembled: Vec::new(),
         };
-        for step in &compiler.steps {
-            let mut found = Vec::new();
-            let (_, names) = amplitudes::time_functions(&step.model, &mut found);
-            compiler.frames(step, &names, None, &mut found);
-            issues.extend(
-                step.located(found).into_iter().filter(|issue| !issues.contains(issue)).collect::<Vec<_>>(),
-            );
-        }
+        compiler.check_supports(&mut issues);
         if issues.is_empty() {
             let coordinates = Arc::clone(&compiler.vectors.coordinates);
             let place = Place { model, mesh, coordinates: &coordinates, length, corners: &corners };
             compiler.assembled = compiler.assembled(&place, &mut issues);
         }
         if issues.is_empty() { Ok(compiler) } else { Err(Error::Model(issues)) }
+    }
+
+    /// Checks the supports of all steps in the reference configuration.
+    fn check_supports(&self, issues: &mut Vec<Issue>) {
+        for step in &self.steps {
+            let mut found = Vec::new();
+            let (_, names) = amplitudes::time_functions(&step.model, &mut found);
+            self.frames(step, &names, None, &mut found);
+            issues.extend(
+                step.located(found).into_iter().filter(|issue| !issues.contains(issue)).collect::<Vec<_>>(),
+            );
+        }
     }
 
     /// Analysis steps of the model.
@@ -430,40 +418,16 @@ impl<'a> Compiler<'a> {
         let StepJoints { joints, groups, start, .. } = of_step;
         let at_start = inertia_relief.as_ref().map(|_| self.current(start.as_ref()));
         issues.extend(self.unheld(model, &joints, &supports, at_start));
-        let (mut followers, mut load_of_follower) =
-            follower_loads(step, mesh, (vectors, frames.dofs()), &names);
-        let mut load_sets = force_sets::of_loads(model, mesh);
-        for (name, load) in &self.own_loads {
-            load_of_follower.push(load_sets.len());
-            load_sets.push(force_sets::of_caller(name, mesh));
-            followers.push(of_caller(load, step));
-        }
-        let mut support_sets = force_sets::of_conditions(model, mesh);
-        if let Some(relief) = &mut inertia_relief {
-            relief.load_set = load_sets.len();
-            load_sets.push(force_sets::of_caller(relief::NAME, mesh));
-            support_sets.push(force_sets::of_relief(mesh));
-        }
-        issues.extend(relief::refused(step));
-        let (centrifugal, load_of_centrifugal) =
-            turning::centrifugal_loads(step, mesh, &vectors.coordinates, &names);
-        issues.extend(turning::centrifugal(step));
-        issues.extend(turning::loads_across_the_axis(step, mesh, &vectors.coordinates));
-        if model.analysis.seeks_equilibria() {
-            let (couples, loads) = StepJoints::couples(&released, load_sets.len());
-            followers.extend(couples);
-            load_of_follower.extend(loads);
-        }
-        issues.extend(drilling_components(&followers, &load_of_follower, vectors, mesh));
+        let dofs = frames.dofs();
+        let loads = self.step_loads(step, (&names, dofs), (&released, inertia_relief.as_mut()), &mut issues);
         let added = added_masses(model, mesh, vectors);
         let procedure = procedure(&model.analysis);
-        let reductions =
-            self.groups.iter().map(|group| Reduction::of_elements(group.as_ref(), frames.dofs()));
+        let reductions = self.groups.iter().map(|group| Reduction::of_elements(group.as_ref(), dofs));
         let reductions: Vec<_> = reductions.collect();
         let reduction_of_followers =
-            Reduction::new(followers.iter().map(FollowerLoad::vectors), false, frames.dofs());
-        let loads = ReducedLoads { loads: &followers, reduction: reduction_of_followers.as_ref() };
-        let pattern = self.pattern(procedure, &frames, (&reductions, loads), &added)?;
+            Reduction::new(loads.followers.iter().map(FollowerLoad::vectors), false, dofs);
+        let reduced = ReducedLoads { loads: &loads.followers, reduction: reduction_of_followers.as_ref() };
+        let pattern = self.pattern(procedure, &frames, (&reductions, reduced), &added)?;
         let initial_velocity = self.initial_velocities(step, (&frames, start.as_ref()), &mut issues);
         let mut system = System {
             coordinates: Arc::clone(&vectors.coordinates),
@@ -485,15 +449,15 @@ impl<'a> Compiler<'a> {
             sections: Arc::clone(&self.sections),
             prescribed_strains: self.prescribed_fields(step, &names),
             dead_loads: Vec::new(),
-            followers,
-            centrifugal,
+            followers: loads.followers,
+            centrifugal: loads.centrifugal,
             inertia_relief,
             supports,
-            support_sets,
-            load_sets,
+            support_sets: loads.support_sets,
+            load_sets: loads.load_sets,
             load_of_dead: Vec::new(),
-            load_of_follower,
-            load_of_centrifugal,
+            load_of_follower: loads.load_of_follower,
+            load_of_centrifugal: loads.load_of_centrifugal,
             inputs: inputs(model),
             amplitudes,
             pattern,
@@ -522,6 +486,51 @@ impl<'a> Compiler<'a> {
     }
 }
 
+/// Model with the nodes of its beams, and its analysis steps.
+///
+/// # Errors
+/// Everything that is wrong with the keys, the mesh and the sets, at once, each with a remedy.
+fn checked(
+    model: &Model,
+    mesh: &Mesh,
+    laws: &BTreeMap<String, Arc<dyn MaterialLaw>>,
+) -> Result<(Model, Vec<StepModel>)> {
+    let mut issues = check::keys(model);
+    issues.extend(body_inertia::unread_surfaces(model));
+    if !issues.is_empty() && !model.beams.is_empty() {
+        return Err(Error::Model(issues));
+    }
+    if model.mesh != MeshSource::None || !mesh.quads.is_empty() {
+        issues.extend(quality::check(mesh));
+    }
+    issues.extend(check::sets(model, mesh));
+    let model = beams::with_nodes(model);
+    let steps = steps::steps(&model);
+    issues.extend(laws.keys().filter_map(|name| irreplaceable(&model, name)));
+    if issues.is_empty() { Ok((model, steps)) } else { Err(Error::Model(issues)) }
+}
+
+/// Adds the groups of joints, springs, torsion springs, bushings and foundations, in this order. Returns those of the joints, and the group of each torsion
+/// spring with its number in the group.
+fn add_groups(
+    groups: &mut Vec<Box<dyn ElementGroup>>,
+    (joints, foundations): (&Arc<Vec<Joint>>, &[FoundationElement]),
+    (springs, torsion_springs): (&[Spring], &[TorsionSpring]),
+    bushings: &[Bushing],
+) -> (JointGroups, Vec<[usize; 2]>) {
+    let before = groups.len();
+    groups.extend(JointGroup::groups(joints));
+    let joint_groups = before..groups.len();
+    groups.extend(SpringGroup::groups(springs));
+    let before = groups.len();
+    groups.extend(TorsionSpringGroup::groups(torsion_springs));
+    let places = TorsionSpringGroup::places(torsion_springs);
+    let places = places.into_iter().map(|[group, number]| [before + group, number]);
+    groups.extend(BushingGroup::groups(bushings));
+    groups.extend(FoundationGroup::groups(foundations));
+    (joint_groups, places.collect())
+}
+
 /// Loads of each input of a modal analysis: those at the end of the list.
 fn inputs(model: &Model) -> Vec<Range<usize>> {
     let Analysis::Modal(modal) = &model.analysis else { return Vec::new() };
@@ -532,11 +541,6 @@ fn inputs(model: &Model) -> Vec<Range<usize>> {
         range
     };
     modal.inputs.iter().map(range).collect()
-}
-
-/// Load of a caller in an analysis step: new in the first one, continued in the others.
-fn of_caller(load: &OwnLoad, step: &StepModel) -> FollowerLoad {
-    FollowerLoad::Own { load: load.clone(), factor: step.of_caller.factor(None) }
 }
 
 /// A law for a material that is not there, or is linear: linear materials are integrated when the model is compiled.
