@@ -4,7 +4,7 @@
 //! These edges are its directors. Which of the three directions is the thickness follows from the mesh: bottom
 //! and top belong to no second hexahedron, and neighbours share edges that run through the thickness.
 
-use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 
 use tegula::mesh::Labels;
 use tegula::{Mesh, Vec3};
@@ -255,74 +255,7 @@ impl<'a> Layer<'a> {
         local: &dyn Fn(u64) -> Option<u32>,
         mesh: &mut Mesh,
     ) -> Result<(), MeshError> {
-        let level: HashMap<u64, bool> = self
-            .bottoms
-            .iter()
-            .flatten()
-            .map(|&b| (b, false))
-            .chain(self.tops.iter().flatten().map(|&t| (t, true)))
-            .collect();
-        let outer: HashMap<Face, u32> = (0..)
-            .zip(self.bottoms.iter().zip(&self.tops))
-            .flat_map(|(s, (&b, &t))| [(key(b), s), (key(t), s)])
-            .collect();
-        let quad_sides: std::collections::HashSet<[u64; 2]> =
-            self.bottoms.iter().chain(&self.tops).flat_map(sides).collect();
-        let (mut nodes, mut edges) = (BTreeMap::new(), BTreeMap::new());
-        let mut surfaces: BTreeMap<String, Vec<u32>> = BTreeMap::new();
-        for element in &raw.elements {
-            match element.corners {
-                Corners::Point(tag) => {
-                    for name in raw.set_names(element, 0) {
-                        let Some(node) = local(tag) else {
-                            return Err(lost_node(scanner, element, &name, tag));
-                        };
-                        nodes.entry(name).or_insert_with(Vec::new).push(node);
-                    }
-                }
-                Corners::Line(ends) => {
-                    for name in raw.set_names(element, 1) {
-                        let [Some(a), Some(b)] = ends.map(local) else {
-                            return Err(lost_line(scanner, element, &name, ends));
-                        };
-                        if a == b {
-                            nodes.entry(name).or_insert_with(Vec::new).push(a);
-                        } else if quad_sides.contains(&sorted(ends)) {
-                            edges.entry(name).or_insert_with(Vec::new).push([a, b]);
-                        } else {
-                            return Err(lost_line(scanner, element, &name, ends));
-                        }
-                    }
-                }
-                Corners::Quad(corners) => {
-                    let names = raw.set_names(element, 2);
-                    if let Some(&solid) = outer.get(&key(corners)) {
-                        for name in names {
-                            surfaces.entry(name).or_default().push(solid);
-                        }
-                    } else if self.owners.contains_key(&key(corners)) {
-                        let low: Vec<u32> = corners
-                            .iter()
-                            .filter(|c| level.get(c) == Some(&false))
-                            .filter_map(|&c| local(c))
-                            .collect();
-                        if let [a, b] = low[..] {
-                            for name in names {
-                                edges.entry(name).or_insert_with(Vec::new).push([a, b]);
-                            }
-                        }
-                    } else {
-                        return Err(scanner.error(
-                            element.at,
-                            format!("quadrilateral {} is not the face of a hexahedron", element.tag),
-                            "a file holds either quadrilaterals or hexahedra: mesh the whole middle surface with \
-                             quadrilaterals, and give `element = \"solid-shell\"` to the sections where you want it",
-                        ));
-                    }
-                }
-                Corners::Hexahedron(_) => {}
-            }
-        }
+        let Sets { nodes, edges, surfaces } = self.gather_sets(scanner, raw, local)?;
         for (name, members) in surfaces {
             if self.volumes.contains_key(&name) {
                 return Err(scanner.whole(
@@ -339,6 +272,86 @@ impl<'a> Layer<'a> {
         mesh.edge_sets = edges.into_iter().map(|(name, set)| (name, distinct(set, |&e| sorted(e)))).collect();
         Ok(())
     }
+
+    /// Members of the physical points, curves and surfaces.
+    fn gather_sets(
+        &self,
+        scanner: &Scanner<'_>,
+        raw: &Raw,
+        local: &dyn Fn(u64) -> Option<u32>,
+    ) -> Result<Sets, MeshError> {
+        let outer: HashMap<Face, u32> = (0..)
+            .zip(self.bottoms.iter().zip(&self.tops))
+            .flat_map(|(s, (&b, &t))| [(key(b), s), (key(t), s)])
+            .collect();
+        let mut below: HashSet<u64> = self.bottoms.iter().flatten().copied().collect();
+        self.tops.iter().flatten().for_each(|top| {
+            below.remove(top);
+        });
+        let quad_sides: HashSet<[u64; 2]> = self.bottoms.iter().chain(&self.tops).flat_map(sides).collect();
+        let mut sets = Sets::default();
+        for element in &raw.elements {
+            match element.corners {
+                Corners::Point(tag) => {
+                    for name in raw.set_names(element, 0) {
+                        let Some(node) = local(tag) else {
+                            return Err(lost_node(scanner, element, &name, tag));
+                        };
+                        sets.nodes.entry(name).or_default().push(node);
+                    }
+                }
+                Corners::Line(ends) => {
+                    for name in raw.set_names(element, 1) {
+                        let [Some(a), Some(b)] = ends.map(local) else {
+                            return Err(lost_line(scanner, element, &name, ends));
+                        };
+                        if a == b {
+                            sets.nodes.entry(name).or_default().push(a);
+                        } else if quad_sides.contains(&sorted(ends)) {
+                            sets.edges.entry(name).or_default().push([a, b]);
+                        } else {
+                            return Err(lost_line(scanner, element, &name, ends));
+                        }
+                    }
+                }
+                Corners::Quad(corners) => {
+                    let names = raw.set_names(element, 2);
+                    if let Some(&solid) = outer.get(&key(corners)) {
+                        names.into_iter().for_each(|name| sets.surfaces.entry(name).or_default().push(solid));
+                    } else if self.owners.contains_key(&key(corners)) {
+                        // A face through the thickness stands on an edge of the middle surface.
+                        let low = corners.iter().filter(|c| below.contains(c)).filter_map(|&c| local(c));
+                        if let [a, b] = low.collect::<Vec<_>>()[..] {
+                            names
+                                .into_iter()
+                                .for_each(|name| sets.edges.entry(name).or_default().push([a, b]));
+                        }
+                    } else {
+                        return Err(not_a_face(scanner, element));
+                    }
+                }
+                Corners::Hexahedron(_) => {}
+            }
+        }
+        Ok(sets)
+    }
+}
+
+/// Sets of the physical points, curves and surfaces, whose members may be there more than once.
+#[derive(Default)]
+struct Sets {
+    nodes: BTreeMap<String, Vec<u32>>,
+    edges: BTreeMap<String, Vec<[u32; 2]>>,
+    surfaces: BTreeMap<String, Vec<u32>>,
+}
+
+fn not_a_face(scanner: &Scanner<'_>, element: &RawElement) -> MeshError {
+    scanner.error(
+        element.at,
+        format!("quadrilateral {} is not the face of a hexahedron", element.tag),
+        "a file holds either quadrilaterals or hexahedra: mesh the whole middle surface with quadrilaterals, and give `element = \
+         \"solid-shell\"` to the sections where you want it",
+    )
 }
 
 /// Bottom and top of a hexahedron of which an edge runs through the thickness, from bottom to top.
