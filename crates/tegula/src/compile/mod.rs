@@ -191,15 +191,10 @@ impl<'a> Compiler<'a> {
         let offsets = GroupOffsets::of(&elements.groups);
         let cuts = cuts::cuts((model, mesh), &vectors.coordinates, (&elements, &offsets), &mut issues);
         vectors.mark_inextensible(&elements.unit);
-        let linear = |step: &StepModel| match &step.model.analysis {
-            Analysis::Static(s) => s.linear,
-            Analysis::Transient(t) => t.linear,
-            Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => false,
-        };
         let mut compiler = Self {
             mesh,
             model: model.clone(),
-            linear: steps.iter().any(linear),
+            linear: steps.iter().any(is_linear),
             steps,
             directors,
             vectors,
@@ -508,6 +503,15 @@ fn checked(
     let steps = steps::steps(&model);
     issues.extend(laws.keys().filter_map(|name| irreplaceable(&model, name)));
     if issues.is_empty() { Ok((model, steps)) } else { Err(Error::Model(issues)) }
+}
+
+/// Whether displacements are small in a step.
+fn is_linear(step: &StepModel) -> bool {
+    match &step.model.analysis {
+        Analysis::Static(s) => s.linear,
+        Analysis::Transient(t) => t.linear,
+        Analysis::Path(_) | Analysis::Modal(_) | Analysis::Buckling(_) => false,
+    }
 }
 
 /// Adds the groups of joints, springs, torsion springs, bushings and foundations, in this order. Returns those of the joints, and the group of each torsion
