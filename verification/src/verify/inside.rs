@@ -87,105 +87,126 @@ pub(super) fn octant(n: u32) -> Mesh {
     mesh
 }
 
-/// Blown-up sphere of neo-Hookean rubber: the pressure that holds a stretch of four points, found so that the supports
-/// which prescribe it do no work when the sphere grows. Under pressure alone it is unstable beyond the limit.
-fn balloon_pressures(element: ElementKind, n: u32, stretches: &[f64]) -> Result<Vec<f64>> {
-    const SHEAR: f64 = 1.0;
-    const H: f64 = 0.01;
-    let mesh = octant(n);
-    let options = StaticAnalysis { allow_unstable: true, max_iterations: 60, ..StaticAnalysis::default() };
-    let mut model = Model::new(
-        flat([1.0; 2], [1, 1]),
-        Analysis::Static(options.clone()),
-        Isotropic::new(1.0, 0.3, 1.0),
-        H,
-    );
-    let rubber = NeoHookean { shear: SHEAR, bulk: 2e3, density: 0.0, form: Default::default() };
-    model.materials.insert("m".into(), Material::NeoHookean(rubber));
-    model.sections[0].element = element;
-    for (on, normal) in [("x = 0", [1.0, 0.0, 0.0]), ("y = 0", [0.0, 1.0, 0.0]), ("z = 0", [0.0, 0.0, 1.0])] {
-        model.conditions.push(Condition::Symmetry(SymmetryPlane { on: on.into(), normal }));
-    }
-    for (on, component) in HELD {
-        model.conditions.push(Condition::Prescribe(PrescribeComponent {
-            on: on.into(),
-            of: NodalVector::Position,
-            component,
+/// Shear modulus and thickness of the balloon.
+const SHEAR: f64 = 1.0;
+const H: f64 = 0.01;
+
+/// Blown-up sphere of neo-Hookean rubber with four held points.
+struct Balloon {
+    mesh: Mesh,
+    model: Model,
+    options: StaticAnalysis,
+    /// Nodes of the held points.
+    held: Vec<u32>,
+    /// Stretch and state from which the next ones are found.
+    start: Option<(f64, State)>,
+}
+
+impl Balloon {
+    /// Octant of the sphere without pressure, with `n × n` elements on each of its three faces.
+    fn new(element: ElementKind, n: u32) -> Self {
+        let mesh = octant(n);
+        let options =
+            StaticAnalysis { allow_unstable: true, max_iterations: 60, ..StaticAnalysis::default() };
+        let analysis = Analysis::Static(options.clone());
+        let mut model = Model::new(flat([1.0; 2], [1, 1]), analysis, Isotropic::new(1.0, 0.3, 1.0), H);
+        let rubber = NeoHookean { shear: SHEAR, bulk: 2e3, density: 0.0, form: Default::default() };
+        model.materials.insert("m".into(), Material::NeoHookean(rubber));
+        model.sections[0].element = element;
+        for (on, normal) in
+            [("x = 0", [1.0, 0.0, 0.0]), ("y = 0", [0.0, 1.0, 0.0]), ("z = 0", [0.0, 0.0, 1.0])]
+        {
+            model.conditions.push(Condition::Symmetry(SymmetryPlane { on: on.into(), normal }));
+        }
+        for (on, component) in HELD {
+            model.conditions.push(Condition::Prescribe(PrescribeComponent {
+                on: on.into(),
+                of: NodalVector::Position,
+                component,
+                value: 0.0,
+                amplitude: None,
+            }));
+        }
+        model.loads = vec![Load::Pressure(PressureLoad {
+            on: "all".into(),
             value: 0.0,
             amplitude: None,
-        }));
+            distribution: None,
+        })];
+        let held = HELD.iter().filter_map(|(name, _)| mesh.nodes_on(name)?.first().copied()).collect();
+        Self { mesh, model, options, held, start: None }
     }
-    let held: Vec<u32> = HELD.iter().filter_map(|(name, _)| mesh.nodes_on(name)?.first().copied()).collect();
-    model.loads = vec![Load::Pressure(PressureLoad {
-        on: "all".into(),
-        value: 0.0,
-        amplitude: None,
-        distribution: None,
-    })];
-    let mut start: Option<(f64, State)> = None;
-    // Beyond the limit only a narrow band of pressures keeps the points between those that are held in place.
-    let mut found_to_exact = 1.0;
-    let mut out = Vec::new();
-    for &stretch in stretches {
-        // Where the last state stood, blown up alike, is near the next one.
-        let mut solve = |pressure: f64| -> Result<(f64, State)> {
-            let supports = model.conditions.iter_mut().filter_map(|c| match c {
-                Condition::Prescribe(p) => Some(p),
-                _ => None,
-            });
-            for (support, node) in supports.zip(&held) {
-                support.value = (stretch - 1.0) * mesh.positions[*node as usize][support.component as usize];
-            }
-            if let Some(Load::Pressure(p)) = model.loads.first_mut() {
-                // Positive pressure pushes against the directors, which point outwards here.
-                p.value = -pressure * SHEAR * H;
-            }
-            let system = build(&model, &mesh)?;
-            // The last shape, blown up without a change of volume, is near the next one.
-            let mut state = State::at_rest(&system);
-            let before = start.as_ref().map_or(1.0, |(before, last)| {
-                state.history.copy_from_slice(&last.history);
-                state.u.copy_from_slice(&last.u);
-                *before
-            });
-            let ratio = stretch / before;
-            for (v, u) in state.u.iter_mut().enumerate() {
-                let reference = Vec3::from(system.coordinates.reference[v]);
-                let director = system.coordinates.kinds[v] != tegula::system::VectorKind::Position;
-                let factor = if director { ratio.powi(-2) } else { ratio };
-                *u = ((reference + Vec3::from(*u)) * factor - reference).into();
-            }
-            state.next_step = 1.0;
-            let outcome = run_static(&system, &options, Some(state), &mut Silent)?;
-            let mut assembly = Assembly::new(&system);
-            let reactions = statics::reactions(&system, &mut assembly, &outcome.state);
-            let work = |node: &u32| {
-                let v = system.coordinates.position_of[*node as usize] as usize;
-                Vec3::from(reactions[v]).dot(&Vec3::from(system.coordinates.reference[v]))
-            };
-            Ok((held.iter().map(work).sum(), outcome.state))
+
+    /// Equilibrium at a stretch of the held points and a pressure, and the work of their supports when the sphere grows.
+    fn solve(&mut self, stretch: f64, pressure: f64) -> Result<(f64, State)> {
+        let Self { mesh, model, options, held, start } = self;
+        let supports = model.conditions.iter_mut().filter_map(|c| match c {
+            Condition::Prescribe(p) => Some(p),
+            _ => None,
+        });
+        for (support, node) in supports.zip(&*held) {
+            support.value = (stretch - 1.0) * mesh.positions[*node as usize][support.component as usize];
+        }
+        if let Some(Load::Pressure(p)) = model.loads.first_mut() {
+            // Positive pressure pushes against the directors, which point outwards here.
+            p.value = -pressure * SHEAR * H;
+        }
+        let system = build(model, mesh)?;
+        // The last shape, blown up without a change of volume, is near the next one.
+        let mut state = State::at_rest(&system);
+        let before = start.as_ref().map_or(1.0, |(before, last)| {
+            state.history.copy_from_slice(&last.history);
+            state.u.copy_from_slice(&last.u);
+            *before
+        });
+        let ratio = stretch / before;
+        for (v, u) in state.u.iter_mut().enumerate() {
+            let reference = Vec3::from(system.coordinates.reference[v]);
+            let director = system.coordinates.kinds[v] != tegula::system::VectorKind::Position;
+            let factor = if director { ratio.powi(-2) } else { ratio };
+            *u = ((reference + Vec3::from(*u)) * factor - reference).into();
+        }
+        state.next_step = 1.0;
+        let outcome = run_static(&system, options, Some(state), &mut Silent)?;
+        let mut assembly = Assembly::new(&system);
+        let reactions = statics::reactions(&system, &mut assembly, &outcome.state);
+        let work = |node: &u32| {
+            let v = system.coordinates.position_of[*node as usize] as usize;
+            Vec3::from(reactions[v]).dot(&Vec3::from(system.coordinates.reference[v]))
         };
-        // Secant on the work of the supports, which is linear in the pressure but for the change of shape.
-        let exact = 2.0 * (stretch.recip() - stretch.powi(-7));
-        let near = exact * found_to_exact;
+        Ok((held.iter().map(work).sum(), outcome.state))
+    }
+
+    /// Pressure at a stretch, near an estimate, by the secant on the work of the supports, which is linear in the pressure but for the change of shape.
+    fn pressure(&mut self, stretch: f64, near: f64) -> Result<f64> {
         let (mut p0, mut p1) = ((1.0 - 2e-5) * near, (1.0 + 2e-5) * near);
-        let (mut r0, _) = solve(p0)?;
-        let mut found = None;
+        let (mut r0, _) = self.solve(stretch, p0)?;
         for _ in 0..20 {
-            let (r1, state) = solve(p1)?;
+            let (r1, state) = self.solve(stretch, p1)?;
             let next = p1 - r1 * (p1 - p0) / (r1 - r0);
             let settled = (next - p1).abs() < 1e-8 * p1.abs();
             (p0, r0, p1) = (p1, r1, next);
             if settled {
-                found = Some(state);
-                break;
+                self.start = Some((stretch, state));
+                return Ok(p1);
             }
         }
-        let state = found
-            .ok_or_else(|| Error::Outside(format!("balloon: no pressure found at stretch {stretch}")))?;
-        start = Some((stretch, state));
-        found_to_exact = p1 / exact;
-        out.push(p1);
+        Err(Error::Outside(format!("balloon: no pressure found at stretch {stretch}")))
+    }
+}
+
+/// Blown-up sphere of neo-Hookean rubber: the pressure that holds a stretch of four points, found so that the supports
+/// which prescribe it do no work when the sphere grows. Under pressure alone it is unstable beyond the limit.
+fn balloon_pressures(element: ElementKind, n: u32, stretches: &[f64]) -> Result<Vec<f64>> {
+    let mut balloon = Balloon::new(element, n);
+    // Beyond the limit only a narrow band of pressures keeps the points between those that are held in place.
+    let mut found_to_exact = 1.0;
+    let mut out = Vec::new();
+    for &stretch in stretches {
+        let exact = 2.0 * (stretch.recip() - stretch.powi(-7));
+        let found = balloon.pressure(stretch, exact * found_to_exact)?;
+        found_to_exact = found / exact;
+        out.push(found);
     }
     Ok(out)
 }
