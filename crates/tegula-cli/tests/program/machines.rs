@@ -250,6 +250,12 @@ fn the_driven_slider_follows_from_the_length_of_its_rod() {
         let power = (energy[i + 1] - energy[i - 1]) / (time[i + 1] - time[i - 1]);
         assert!((moment[i] * TAU - power).abs() < 0.01 * largest * TAU, "{}: {} {power}", time[i], moment[i]);
     }
+    let driven = column("joint.motor.power");
+    let ideal = ["bearing", "A", "B", "guide"].map(|joint| column(&format!("joint.{joint}.power")));
+    for i in 1..last {
+        assert!((driven[i] - moment[i] * TAU).abs() < 1e-12 * largest * TAU, "{}: {}", time[i], driven[i]);
+        assert!(ideal.iter().all(|power| power[i].abs() < 1e-12 * largest * TAU), "at {}", time[i]);
+    }
 }
 
 /// Runs an example and gives the columns of its history by name.
@@ -307,6 +313,12 @@ fn the_laminated_coupler_moves_as_in_the_rigid_linkage_but_for_its_bow() {
         let energy = kinetic[i] + strain[i];
         assert!((work - energy).abs() < 1e-4 * most, "{work} J for {energy} J at {}", time[i]);
     }
+    // The mean powers of all steps are the energy itself, and the joints do not open.
+    let power = column("joint.drive.power");
+    let supplied: f64 = (1..time.len()).map(|i| power[i] * (time[i] - time[i - 1])).sum();
+    let gained = column("total").last().unwrap() - column("total")[0];
+    assert!((supplied - gained).abs() < 1e-10 * most, "{supplied} {gained}");
+    assert!(column("joint.hinge C.drift").iter().all(|drift| *drift < 1e-14));
     let half_wave = PI * PI * bow * bow / (4.0 * coupler);
     assert!(bow > 3e-3 && (shortening / half_wave - 1.0).abs() < 0.05, "{bow} {shortening} for {half_wave}");
     assert!(most > 1.0, "{most}");

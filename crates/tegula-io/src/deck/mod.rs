@@ -6,6 +6,7 @@
 //! | `editor` | the same for editors: one slip gives one message there |
 //! | `markers` | named points and axes: coordinates take the place of their names |
 //! | `validate` | validation of the syntax tree against the schema |
+//! | `scheme_default` | the scheme of time integration where the file gives none |
 //! | `partial` | what else is wrong when keys are wrong already |
 //! | `unknown` | suggestions for an unknown key |
 //! | `syntax` | messages for the errors of the TOML parser |
@@ -28,6 +29,7 @@ mod keyword_input;
 mod locate;
 mod markers;
 mod partial;
+mod scheme_default;
 mod schema;
 mod syntax;
 mod template;
@@ -210,8 +212,12 @@ fn model(
         let all = found.len();
         return Err(source.limited(found, all));
     }
+    let without_scheme = scheme_default::WithoutScheme::of(tree.get_ref());
     match Model::deserialize(toml::Deserializer::from(tree)) {
-        Ok(model) => Ok((model, replaced.unused)),
+        Ok(mut model) => {
+            without_scheme.complete(&mut model);
+            Ok((model, replaced.unused))
+        }
         Err(error) => {
             let span = error.span().unwrap_or_default();
             let (tree, _) = DeTable::parse_recoverable(source.text());

@@ -16,6 +16,7 @@ use toml::{Spanned, Table, Value};
 
 use super::Diagnostic;
 use super::schema::{Wanted, schema, wanted};
+use super::scheme_default::WithoutScheme;
 use crate::memory;
 
 /// Issues of the model that is left of `tree` without the keys of `found`; none where nothing is left that could be checked. The
@@ -48,7 +49,9 @@ pub(super) fn issues(
         return Vec::new();
     }
     keys.append(&mut filler.filled);
-    let Ok(model) = value.try_into::<Model>() else { return Vec::new() };
+    let without_scheme = WithoutScheme::of_value(&value);
+    let Ok(mut model) = value.try_into::<Model>() else { return Vec::new() };
+    without_scheme.complete(&mut model);
     let mut issues = check::keys(&model);
     // A mesh that does not fit into memory is a mistake of its own.
     match memory::too_large(&model, memory::limit()) {

@@ -3,6 +3,8 @@
 use tegula::System;
 use tegula::analysis::State;
 use tegula::result::beams::beam_resultants;
+use tegula::load::LoadParameter;
+use tegula::result::{joint_drift, joint_power};
 use tegula::result::bodies::{
     BodyMotion, bushing_responses, coordinate_response, joint_reaction, reference_axes,
     spring_lengths_and_forces, torsion_angles_and_moments,
@@ -18,6 +20,10 @@ const OF_BODY: [&str; 16] =
 const OF_POINT: [&str; 6] = ["x", "y", "z", "vx", "vy", "vz"];
 /// Columns of a joint: force and moment of the first end on the second one.
 const OF_JOINT: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
+/// Column of a joint behind them: largest violation of its constraints.
+const DRIFT: &str = "drift";
+/// Column of a joint behind that in transient analyses: power that its drive supplies, less that of its friction and stops.
+const POWER: &str = "power";
 /// Column of the relative coordinate of a joint with friction or stops.
 pub(super) const ANGLE: &str = "angle";
 pub(super) const DISPLACEMENT: &str = "displacement";
@@ -47,6 +53,11 @@ pub(super) fn shown(system: &System) -> impl Iterator<Item = &Body> {
     system.coordinates.bodies.iter().enumerate().filter(wanted).map(|(_, body)| body)
 }
 
+/// Whether states of the analysis have velocities.
+fn moves(system: &System) -> bool {
+    system.parameter() == LoadParameter::Time
+}
+
 /// Nodes of a beam with columns.
 fn nodes(beam: &BeamLine) -> impl Iterator<Item = usize> {
     (0..beam.bodies.len()).filter(|node| beam.history.contains(&(*node as u32)))
@@ -60,7 +71,8 @@ pub(super) fn names(system: &System) -> Vec<String> {
         out.extend(columns.iter().map(|column| format!("body.{}.{column}", body.name)));
     }
     for joint in system.joints.iter() {
-        out.extend(OF_JOINT.map(|column| format!("joint.{}.{column}", joint.name)));
+        let of_joint = OF_JOINT.into_iter().chain([DRIFT]).chain(moves(system).then_some(POWER));
+        out.extend(of_joint.map(|column| format!("joint.{}.{column}", joint.name)));
         if let Some((_, law)) = joint.law_row() {
             out.push(format!("joint.{}.{}", joint.name, if law.is_angle { ANGLE } else { DISPLACEMENT }));
             out.extend(OF_COORDINATE.map(|column| format!("joint.{}.{column}", joint.name)));
@@ -102,6 +114,8 @@ pub(super) fn row(system: &System, state: &State) -> Vec<f64> {
     for joint in system.joints.iter() {
         let (force, moment) = joint_reaction(system, state, joint);
         out.extend(force.iter().chain(moment.iter()));
+        out.push(joint_drift(system, state, joint));
+        out.extend(moves(system).then(|| joint_power(system, state, joint)));
         if let Some(found) = coordinate_response(system, state, joint) {
             let value = if found.is_angle { found.value.to_degrees() } else { found.value };
             out.extend([value, found.friction, found.stop, f64::from(u8::from(found.is_held))]);

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::turning_nodes::TurningNodes;
 use super::adaptive_integrals::{Integral, over_edges, over_elements};
 use super::{StepModel, Vectors};
 use crate::element::Nodal;
@@ -126,6 +127,7 @@ pub(super) fn follower_loads(
     let (mut out, mut load_of) = (Vec::new(), Vec::new());
     for (number, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
         let loaded = Loaded::new(load, mesh, &vectors.coordinates);
+        let following = TurningNodes::new(&loaded, dofs);
         let amplitude = load.amplitude().as_ref().and_then(|a| amplitudes.get(a).copied());
         let factor = continued.factor(amplitude);
         for action in load.actions(&loaded) {
@@ -154,6 +156,12 @@ pub(super) fn follower_loads(
                 Action::Pressure { quad, pressure } => {
                     let vectors = quad.map(|n| vectors.coordinates.position_of[n as usize]);
                     out.push(FollowerLoad::Pressure { vectors, pressure, factor });
+                }
+                Action::FollowerForce { node, force } => {
+                    out.extend(following.force(node, force).map(|load| FollowerLoad::Own { load, factor }));
+                }
+                Action::FollowerMoment { node, moment } => {
+                    out.extend(following.moment(node, moment).map(|load| FollowerLoad::Own { load, factor }));
                 }
                 Action::Follower(load) => out.push(FollowerLoad::Own { load: OwnLoad(load), factor }),
                 Action::Force { .. } | Action::Gravity(_) | Action::Centrifugal { .. } => {}
@@ -267,6 +275,8 @@ pub(super) fn dead_loads(
                 | Action::EdgeMoment { .. }
                 | Action::Pressure { .. }
                 | Action::Centrifugal { .. }
+                | Action::FollowerForce { .. }
+                | Action::FollowerMoment { .. }
                 | Action::Follower(_) => {}
             }
         }
@@ -422,7 +432,7 @@ impl<'a> Loaded<'a> {
     }
 
     /// Body that a number behind those of the nodes stands for.
-    fn body(&self, node: u32) -> Option<&Body> {
+    pub fn body(&self, node: u32) -> Option<&Body> {
         self.coordinates.bodies.get((node as usize).checked_sub(self.mesh.positions.len())?)
     }
 }

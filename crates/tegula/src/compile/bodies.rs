@@ -20,8 +20,7 @@ pub(super) const LONGEST_NAME: usize = 60;
 
 /// Mistakes in the values of bodies and joints.
 pub(super) fn keys(model: &Model, c: &mut Checker) {
-    let none = model.bodies.is_empty() && model.beams.is_empty() && model.joints.is_empty();
-    if none && model.ties.is_empty() && !model.has_springs() {
+    if !model.is_mechanism() {
         return;
     }
     let kinematic = matches!(&model.analysis, Analysis::Transient(t) if t.scheme.is_kinematic());
@@ -255,10 +254,15 @@ pub(super) fn load_on_body(model: &Model, load: &Load, key: &str, mesh: &Mesh, c
             "give the body another name",
         );
     }
-    if load.kind() == "moment" && model.bodies.iter().any(|body| body.name == name && body.is_point_mass()) {
+    let refused = match load.kind() {
+        "moment" | "follower-moment" => "on which a moment cannot act",
+        "follower-force" => "which has no axes that a force could turn with",
+        _ => return,
+    };
+    if model.bodies.iter().any(|body| body.name == name && body.is_point_mass()) {
         c.add(
             key,
-            format!("body \"{name}\" is a point mass, on which a moment cannot act"),
+            format!("body \"{name}\" is a point mass, {refused}"),
             "give the body an inertia or a shape, or load another body",
         );
     }

@@ -42,6 +42,7 @@ mod step_start;
 mod steps;
 mod ties;
 mod turning;
+mod turning_nodes;
 mod vectors;
 mod warnings;
 

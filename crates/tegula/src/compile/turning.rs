@@ -112,6 +112,8 @@ pub(super) fn loads_across_the_axis(step: &StepModel, mesh: &Mesh, coordinates: 
             Action::Gravity(_)
             | Action::Centrifugal { .. }
             | Action::Pressure { .. }
+            | Action::FollowerForce { .. }
+            | Action::FollowerMoment { .. }
             | Action::Follower(_) => false,
         };
         (!with_ground && actions.iter().any(constant)).then(|| {

@@ -5,6 +5,7 @@
 //! [`CirculatoryStiffness`](crate::system::CirculatoryStiffness), is added in the solution of the linear systems. It
 //! vanishes for conservative cases: pressure on closed or supported edges, moments in the plane of bending.
 
+use super::edge_couple::{EdgeForces, edge_derivative, edge_forces};
 use super::{LoadFactor, OwnLoad};
 use crate::element::Nodal;
 use crate::element::geometry::{GAUSS_POINTS, shape, shape_eta, shape_xi};
@@ -199,33 +200,6 @@ impl FollowerLoad {
             _ => 0.0,
         }
     }
-}
-
-/// Nodal forces of an edge moment: force F of the couple at the ends of the edge, and force f on the director.
-struct EdgeForces {
-    couple: Vec3,
-    director: Vec3,
-}
-
-fn edge_forces(m: &Vec3, t: &Vec3, d: &Vec3) -> EdgeForces {
-    let w = d.cross(t);
-    let couple = w * (m.dot(d) / w.norm_squared());
-    EdgeForces { director: (m.cross(d) - couple * d.dot(t)) / d.norm_squared(), couple }
-}
-
-/// Derivatives with respect to t and d (columns) of the couple and of the force on the director (rows).
-fn edge_derivative(m: &Vec3, t: &Vec3, d: &Vec3) -> [[Mat3; 2]; 2] {
-    let EdgeForces { couple, director } = edge_forces(m, t, d);
-    let w = d.cross(t);
-    let (w2, n2, p) = (w.norm_squared(), d.norm_squared(), d.dot(t));
-    // δ(w/|w|²) = (I − 2 w wᵀ/|w|²) δw/|w|², δw = δd × t + d × δt
-    let turned = (Mat3::identity() - w * w.transpose() * (2.0 / w2)) * (m.dot(d) / w2);
-    let couple_t = turned * d.cross_matrix();
-    let couple_d = w * m.transpose() / w2 - turned * t.cross_matrix();
-    let director_t = -(couple * d.transpose() + couple_t * p) / n2;
-    let director_d =
-        (m.cross_matrix() - couple * t.transpose() - couple_d * p - director * d.transpose() * 2.0) / n2;
-    [[couple_t, couple_d], [director_t, director_d]]
 }
 
 fn tangent(x: &[Vec3], weights: [f64; 4]) -> Vec3 {

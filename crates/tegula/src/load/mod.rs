@@ -3,12 +3,14 @@
 pub mod amplitude;
 mod breaks;
 mod centrifugal;
+mod edge_couple;
 pub mod factor;
 pub mod follower;
 mod formula;
 mod own;
 mod signal;
 mod spline;
+mod turning_with_node;
 
 pub use crate::model::NodalLoad;
 pub use amplitude::TimeFunction;
@@ -19,3 +21,4 @@ pub use formula::{ForceFormula, Formula, Partials, PlaceCondition, PlaceFormula}
 pub use own::OwnLoad;
 pub use signal::Signal;
 pub use spline::Spline;
+pub use turning_with_node::{ForceOnBody, ForceOnShell, MomentOnBody, MomentOnShell, SurfaceTriad};

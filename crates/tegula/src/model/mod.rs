@@ -198,6 +198,12 @@ impl Model {
 }
 
 impl Model {
+    /// Whether the model has bodies, beams, joints, ties or springs, which not all schemes of time integration move.
+    pub fn is_mechanism(&self) -> bool {
+        let none = self.bodies.is_empty() && self.beams.is_empty() && self.joints.is_empty();
+        !(none && self.ties.is_empty()) || self.has_springs()
+    }
+
     /// Whether the model has springs between bodies, nodes and the ground.
     pub fn has_springs(&self) -> bool {
         !(self.springs.is_empty() && self.torsion_springs.is_empty() && self.bushings.is_empty())

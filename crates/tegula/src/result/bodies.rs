@@ -64,19 +64,8 @@ pub fn reference_axes(system: &System, body: &Body) -> Mat3 {
 /// space; for the
 /// energy–momentum scheme of second order the means over the last step, in the configuration in its middle.
 pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, Vec3) {
-    let (u, time) = if state.middle.is_empty() {
-        (&state.u, state.time)
-    } else {
-        (&state.middle, state.time - 0.5 * state.last_step)
-    };
-    let v: Vec<Vec3> = joint.vectors.iter().map(|&v| current(system, u, v)).collect();
-    let mut forces = vec![Vec3::zeros(); v.len()];
-    let drive = system.drive_value(joint, time);
-    for (row, number) in joint.rows.iter().zip(joint.multipliers()) {
-        let multiplier = state.multipliers.get(number).copied().unwrap_or(f64::NAN);
-        let half = |i: usize| current(system, &state.u, joint.vectors[i]) - v[i];
-        row.add_acting_gradient(multiplier, (&v, half), drive, &mut forces);
-    }
+    let (v, forces) = joint_forces(system, state, joint);
+    let u = configuration(state).0;
     let point = joint.place(|n| current(system, u, n));
     // The joint acts with −Gᵀλ; what acts on the first end acts with opposite sign on the second one.
     // The carrier of gears, which may be the ground, takes a part: their wheels do not act with opposite moments on each other.
@@ -95,6 +84,29 @@ pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, V
         moment += arm.cross(f) * sign;
     }
     (force, moment)
+}
+
+/// Displacements and time at which the constraint forces of a state act: in the middle of the last step for the energy–momentum scheme of
+/// second order.
+fn configuration(state: &State) -> (&[Nodal], f64) {
+    match state.middle.is_empty() {
+        true => (&state.u, state.time),
+        false => (&state.middle, state.time - 0.5 * state.last_step),
+    }
+}
+
+/// Nodal vectors of a joint where its forces act, and `Gᵀλ` on them.
+pub(super) fn joint_forces(system: &System, state: &State, joint: &Joint) -> (Vec<Vec3>, Vec<Vec3>) {
+    let (u, time) = configuration(state);
+    let v: Vec<Vec3> = joint.vectors.iter().map(|&v| current(system, u, v)).collect();
+    let mut forces = vec![Vec3::zeros(); v.len()];
+    let drive = system.drive_value(joint, time);
+    for (row, number) in joint.rows.iter().zip(joint.multipliers()) {
+        let multiplier = state.multipliers.get(number).copied().unwrap_or(f64::NAN);
+        let half = |i: usize| current(system, &state.u, joint.vectors[i]) - v[i];
+        row.add_acting_gradient(multiplier, (&v, half), drive, &mut forces);
+    }
+    (v, forces)
 }
 
 /// Relative coordinate of a joint with friction or stops, and the forces of these (torques of a revolute joint).

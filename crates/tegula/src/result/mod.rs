@@ -4,6 +4,7 @@ pub mod beams;
 pub mod bodies;
 pub mod cuts;
 pub mod inside;
+mod joint_columns;
 pub mod plies;
 pub mod probe;
 pub mod reactions;
@@ -13,6 +14,7 @@ pub mod sensors;
 
 pub use bodies::{BodyMotion, joint_reaction};
 pub use cuts::CutResultant;
+pub use joint_columns::{joint_drift, joint_power};
 pub use plies::{PlyFailure, PlyResult, PlyStress, plastic_strains, recover_plies};
 pub use probe::Probe;
 pub use reactions::{Equilibrium, ReactionFinder};

@@ -25,6 +25,11 @@ impl System {
         sensors.chain(gears)
     }
 
+    /// Number of the angles of a state that belong to sensors; those of gears stand behind them.
+    pub fn number_of_angle_sensors(&self) -> usize {
+        self.angle_sensors().count()
+    }
+
     /// Number of the angles of a state.
     pub fn number_of_angles(&self) -> usize {
         self.angles().count()

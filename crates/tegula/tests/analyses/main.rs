@@ -89,4 +89,5 @@ mod steps_with_bodies;
 mod surfaces;
 mod ties;
 mod torsion_springs;
+mod turning_loads;
 mod volumes;

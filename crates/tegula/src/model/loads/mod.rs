@@ -103,6 +103,20 @@ pub enum Action {
         /// Pressure [force/area].
         pressure: f64,
     },
+    /// Force on a node that turns with it.
+    FollowerForce {
+        /// Node.
+        node: u32,
+        /// Force in the reference configuration (force).
+        force: Vec3,
+    },
+    /// Moment on a node that turns with it (force·length).
+    FollowerMoment {
+        /// Node.
+        node: u32,
+        /// Moment in the reference configuration (force·length).
+        moment: Vec3,
+    },
     /// Any other load that follows the motion.
     Follower(Arc<dyn NodalLoad>),
 }
@@ -263,6 +277,8 @@ macro_rules! loads {
 loads! {
     force::Force(VectorLoad): "A force on every node of a set.",
     moment::Moment(VectorLoad): "A moment on every node of a set; it rotates the director and stays constant in space. Its drilling component\n(along the director) is dropped, but on nodes that are attached to a body, which takes all components.",
+    follower_force::FollowerForce(VectorLoad): "A force on every node of a set, or on a body, that turns with it; its components are those in the reference configuration.",
+    follower_moment::FollowerMoment(VectorLoad): "A moment on every node of a set, or on a body, that turns with it; its components are those in the reference configuration.",
     edge::Edge(VectorLoad): "A force per length of an edge.",
     edge_moment::EdgeMoment(VectorLoad): "A moment per length of an edge, constant in space with all components.",
     traction::Traction(VectorLoad): "A force per reference area, constant in direction.",
