@@ -24,7 +24,8 @@ pub(super) fn loads(
     let mut kept = before.to_vec();
     for card in cards {
         let of = if card.keyword == "CLOAD" { "*CLOAD" } else { "*DLOAD" };
-        reader.only(card, &["OP"])?;
+        let known: &[&str] = if of == "*CLOAD" { &["OP", "FOLLOWER"] } else { &["OP"] };
+        reader.only(card, known)?;
         match card.parameter("OP").map(str::to_uppercase).as_deref() {
             None | Some("MOD") => {}
             Some("NEW") => kept.retain(|load| load.card != of),
@@ -38,7 +39,7 @@ pub(super) fn loads(
         }
         for data in &card.data {
             match of {
-                "*CLOAD" => force(reader, parts, *data, &mut forces, &mut new)?,
+                "*CLOAD" => force((reader, parts), (*data, card.has("FOLLOWER")), &mut forces, &mut new)?,
                 _ => distributed(reader, parts, *data, &mut pressures, &mut new)?,
             }
         }
@@ -54,11 +55,10 @@ pub(super) fn loads(
     Ok(kept)
 }
 
-/// Force or moment along an axis on every node of a set.
+/// Force or moment along an axis on every node of a set; followers turn with the node.
 fn force(
-    reader: &Reader<'_>,
-    parts: &Parts,
-    data: DataLine<'_>,
+    (reader, parts): (&Reader<'_>, &Parts),
+    (data, is_follower): (DataLine<'_>, bool),
     taken: &mut HashMap<(u64, usize), usize>,
     out: &mut Vec<Load>,
 ) -> Result<(), MeshError> {
@@ -88,7 +88,12 @@ fn force(
             ));
         }
     }
-    let (kind, axis) = if direction <= 3 { ("force", direction - 1) } else { ("moment", direction - 4) };
+    let (kind, axis) = match (direction <= 3, is_follower) {
+        (true, false) => ("force", direction - 1),
+        (false, false) => ("moment", direction - 4),
+        (true, true) => ("follower-force", direction - 1),
+        (false, true) => ("follower-moment", direction - 4),
+    };
     let there = out.iter().position(|load| load.kind == kind && load.on.as_deref() == Some(&target.name));
     let at = there.unwrap_or_else(|| {
         let (on, line) = (Some(target.name.clone()), data.line);

@@ -183,6 +183,11 @@ fn loads_act_on_every_node_and_pressures_against_the_director() {
             .collect::<Vec<_>>()
     };
     assert_eq!(names(&found), names(&json(expected)));
+    let found = part(SUPPORT, &step("*CLOAD, FOLLOWER\nTip, 1, 2.\nTip, 5, 4.\n*CLOAD\nTip, 3, 1.\n"), "loads");
+    let expected = r#"[{"type": "follower-force", "on": "Tip", "value": [2.0, 0.0, 0.0]},
+        {"type": "follower-moment", "on": "Tip", "value": [0.0, 4.0, 0.0]},
+        {"type": "force", "on": "Tip", "value": [0.0, 0.0, 1.0]}]"#;
+    assert_eq!(names(&found), names(&json(expected)));
     let found = part(SUPPORT, &step("*DLOAD\nStrip, P, 3.\nstrip, GRAV, 10., 0, 3, -4\n"), "loads");
     let expected = r#"[{"type": "pressure", "on": "Strip", "value": -3.0},
         {"type": "gravity", "on": null, "value": [0.0, 6.0, -8.0]}]"#;
@@ -190,7 +195,7 @@ fn loads_act_on_every_node_and_pressures_against_the_director() {
     for (cards, line, message) in [
         ("*CLOAD\nTip, 3, 1.\n6, 3, 2.\n", 6, "node 6 is loaded in the direction 3 on line"),
         ("*CLOAD\nTip, 7, 1.\n", 5, "\"7\" is not a direction"),
-        ("*CLOAD, FOLLOWER\nTip, 1, 1.\n", 4, "the parameter FOLLOWER of *CLOAD is not read"),
+        ("*CLOAD, AMPLITUDE=a\nTip, 1, 1.\n", 4, "the parameter AMPLITUDE of *CLOAD is not read"),
         ("*CLOAD\nTip, 1\n", 5, "a line of *CLOAD has 3 values"),
         ("*DLOAD\n1, P, 1.\nStrip, P, 2.\n", 6, "element 1 has a pressure on line"),
         ("*DLOAD\n1, GRAV, 9.81, 0, 0, -1\n", 5, "gravity acts on the set \"1\" alone"),

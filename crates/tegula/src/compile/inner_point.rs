@@ -5,7 +5,7 @@
 
 use super::sections::Elements;
 use crate::constraint::joints::End;
-use crate::constraint::{Attachment, FollowedPoint};
+use crate::constraint::{Attachment, FollowedPoint, MaterialLine};
 use crate::mesh::{Mesh, show};
 use crate::{Mat3, Vec3};
 
@@ -15,6 +15,19 @@ const ROUND_OFF: f64 = 1e-9;
 const BESIDE: f64 = 1e-9;
 /// Iterations for the place in an element; four are enough in one that is nearly flat.
 const ITERATIONS: usize = 12;
+
+/// Part of a direction in the surface below which it counts as that of the director.
+const ALONG_DIRECTOR: f64 = 1e-6;
+
+/// Place in an element.
+struct Found {
+    /// Positions and directors of the corners.
+    vectors: [u32; 8],
+    /// Their values at the reference.
+    corners: [Vec3; 8],
+    /// ξ and η from 0 to 1, and the height in units of the directors.
+    place: [f64; 3],
+}
 
 /// Nodal vectors and thickness of the shells of a model, quad by quad.
 #[derive(Default)]
@@ -58,9 +71,55 @@ impl Corners {
         &self,
         quads: &[u32],
         at: &Vec3,
-        (reference, length): (impl Fn(u32) -> Vec3, f64),
+        model: (impl Fn(u32) -> Vec3, f64),
     ) -> Result<FollowedPoint, (String, String)> {
-        let mut nearest: Option<(f64, FollowedPoint, Vec3)> = None;
+        self.find(quads, at, model).map(|found| followed(&found.vectors, &found.corners, found.place))
+    }
+
+    /// Material line through a point of one of the quads, along a direction that is projected along the director onto the surface.
+    ///
+    /// # Errors
+    /// No quad contains the point, or the direction is across the surface: a message and what to do.
+    pub(super) fn line(
+        &self,
+        quads: &[u32],
+        at: &Vec3,
+        direction: &Vec3,
+        model: (impl Fn(u32) -> Vec3, f64),
+    ) -> Result<MaterialLine, (String, String)> {
+        let Found { vectors, corners, place: [xi, eta, height] } = self.find(quads, at, model)?;
+        let sum = |weights: [f64; 4], height: f64| -> Vec3 {
+            (0..4).map(|a| (corners[a] + corners[4 + a] * height) * weights[a]).sum()
+        };
+        let director = (0..4).map(|a| corners[4 + a] * shapes(xi, eta)[a]).sum::<Vec3>();
+        let base = [sum(along_xi(eta), height), sum(along_eta(xi), height)];
+        let inverse = Mat3::from_columns(&[base[0], base[1], director]).try_inverse();
+        let components = inverse.map(|inverse| inverse * direction.normalize());
+        let length = components.map_or(0.0, |c| (base[0] * c.x + base[1] * c.y).norm());
+        let Some(c) = components.filter(|_| length > ALONG_DIRECTOR).map(|c| c / length) else {
+            return Err((
+                format!("the direction is along the director at the point {}", show(*at)),
+                "give a direction in the surface".into(),
+            ));
+        };
+        let along: [f64; 4] = std::array::from_fn(|a| c.x * along_xi(eta)[a] + c.y * along_eta(xi)[a]);
+        let weights = along.into_iter().chain(along.map(|weight| height * weight));
+        let terms = vectors.into_iter().zip(weights).filter(|(_, weight)| *weight != 0.0).collect();
+        let vector = Attachment { terms, constant: Vec3::zeros() };
+        Ok(MaterialLine { vector, reference: base[0] * c.x + base[1] * c.y })
+    }
+
+    /// Element that contains a place of the reference configuration.
+    ///
+    /// # Errors
+    /// No quad contains the point: a message and what to do.
+    fn find(
+        &self,
+        quads: &[u32],
+        at: &Vec3,
+        (reference, length): (impl Fn(u32) -> Vec3, f64),
+    ) -> Result<Found, (String, String)> {
+        let mut nearest: Option<(f64, Found, Vec3)> = None;
         let mut known = false;
         for &quad in quads {
             let Some(vectors) = self.vectors[quad as usize] else { continue };
@@ -72,11 +131,11 @@ impl Corners {
             let beside = (height.abs() * corners[4].norm() - limit).max(0.0);
             if nearest.as_ref().is_none_or(|(least, ..)| beside < *least) {
                 let height = if height.abs() > ROUND_OFF * length { height } else { 0.0 };
-                nearest = Some((beside, followed(&vectors, &corners, [xi, eta, height]), foot));
+                nearest = Some((beside, Found { vectors, corners, place: [xi, eta, height] }, foot));
             }
         }
         match nearest {
-            Some((beside, point, _)) if beside <= 0.0 => Ok(point),
+            Some((beside, found, _)) if beside <= 0.0 => Ok(found),
             Some((beside, _, foot)) => Err((
                 format!(
                     "the point lies {beside:.3e} above or below the shell, whose nearest point is {}",

@@ -3,11 +3,11 @@
 use super::bodies::{names, not_with_itself};
 use super::body_inertia::direction;
 use super::place::{Place, end_at, ends, not_beside};
-use crate::Issue;
+use crate::{Issue, Vec3};
 use crate::checker::Checker;
 use crate::constraint::joints::{End, RelativeAngle};
 use crate::constraint::{Attachment, ConeVolume, Joint, Measure, Sensor};
-use crate::model::{self, Analysis, DistanceSensor, Model, PointSensor, VolumeSensor};
+use crate::model::{self, Analysis, DistanceSensor, Model, PointSensor, StrainSensor, VolumeSensor};
 
 /// Mistakes in the values of sensors of a model with these joints, some of which may not act.
 pub(super) fn keys(model: &Model, joints: &[model::Joint], c: &mut Checker) {
@@ -30,6 +30,10 @@ pub(super) fn keys(model: &Model, joints: &[model::Joint], c: &mut Checker) {
             model::Sensor::Volume(keys) => {
                 of_large_displacements(model, (&key, &what, "a volume"), c);
                 c.finite(&format!("{key}.tip"), "the tip", &keys.tip);
+            }
+            model::Sensor::Strain(keys) => {
+                c.finite(&format!("{key}.at"), "the point", &keys.at);
+                direction(&format!("{key}.direction"), keys.direction, c);
             }
             model::Sensor::Reaction(keys) => {
                 let coupled = model.bodies.iter().filter(|body| !body.distributed.is_empty());
@@ -96,6 +100,7 @@ fn measure(
         }
         model::Sensor::Point(keys) => point(place, (key, keys), c),
         model::Sensor::Volume(keys) => volume(place, (key, keys), c),
+        model::Sensor::Strain(keys) => strain(place, (key, keys), c),
         model::Sensor::Reaction(keys) => {
             joints.iter().position(|joint| joint.name == keys.joint).map(Measure::Reaction)
         }
@@ -116,6 +121,22 @@ fn volume(place: &Place, (key, keys): (&str, &VolumeSensor), c: &mut Checker) ->
     let position = |node: u32| place.coordinates.position_of[node as usize];
     let quads = quads.into_iter().map(|quad| place.mesh.quads[quad as usize].map(position)).collect();
     Some(Measure::Volume(ConeVolume { quads, tip: keys.tip.into() }))
+}
+
+fn strain(place: &Place, (key, keys): (&str, &StrainSensor), c: &mut Checker) -> Option<Measure> {
+    let Some(quads) = place.mesh.quads_on(&keys.on) else {
+        c.missing(format!("{key}.on"), "set of elements", &keys.on, place.mesh.quad_sets.keys());
+        return None;
+    };
+    let reference = |v: u32| Vec3::from(place.coordinates.reference[v as usize]);
+    let found = place.corners.line(&quads, &keys.at.into(), &keys.direction.into(), (reference, place.length));
+    match found {
+        Ok(line) => Some(Measure::Strain(line)),
+        Err((message, help)) => {
+            c.add(key, format!("the sensor \"{}\": {message}", keys.name), help);
+            None
+        }
+    }
 }
 
 fn point(place: &Place, (key, keys): (&str, &PointSensor), c: &mut Checker) -> Option<Measure> {

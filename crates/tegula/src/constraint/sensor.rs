@@ -27,6 +27,35 @@ pub enum Measure {
     Reaction(usize),
     /// Volume of the cone over a surface.
     Volume(ConeVolume),
+    /// Elongation of a material line.
+    Strain(MaterialLine),
+}
+
+/// Material line element of a shell: a vector that is linear in the nodal vectors, of length 1 in the reference configuration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MaterialLine {
+    /// Vector along the line.
+    pub vector: Attachment,
+    /// Its value in the reference configuration.
+    pub reference: Vec3,
+}
+
+impl MaterialLine {
+    /// Elongation `|t| − 1` of the line and its rate; with `linear` those of small displacements, `t₀·(t − t₀)`.
+    pub fn value_and_rate(
+        &self,
+        linear: bool,
+        at: impl Fn(u32) -> Vec3,
+        velocity: impl Fn(u32) -> Vec3,
+    ) -> [f64; 2] {
+        let (line, change) = (self.vector.value(at), self.vector.rate(velocity));
+        if linear {
+            return [self.reference.dot(&(line - self.reference)), self.reference.dot(&change)];
+        }
+        // |t| − 1 = (|t|² − 1)/(|t| + 1) keeps the digits of small strains.
+        let (u, length) = (line - self.reference, line.norm());
+        [u.dot(&(line + self.reference)) / (length + 1.0), line.dot(&change) / length]
+    }
 }
 
 /// Volume of the cone over a surface of quads, `V = ⅓ ∫ (r − t)·(r,ξ × r,η) dξ dη` with the tip t: that which a closed surface encloses.
@@ -64,7 +93,7 @@ impl Sensor {
     pub fn angle(&self) -> Option<&RelativeAngle> {
         match &self.measure {
             Measure::Angle(angle) => Some(angle),
-            Measure::Distance(_) | Measure::Point(_) | Measure::Reaction(_) | Measure::Volume(_) => None,
+            Measure::Distance(_) | Measure::Point(_) | Measure::Reaction(_) | Measure::Volume(_) | Measure::Strain(_) => None,
         }
     }
 }

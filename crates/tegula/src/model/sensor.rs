@@ -17,6 +17,8 @@ pub enum Sensor {
     Reaction(ReactionSensor),
     /// Volume that a surface encloses, and its rate.
     Volume(VolumeSensor),
+    /// Elongation of a material line of a shell, and its rate: a strain gauge.
+    Strain(StrainSensor),
 }
 
 impl Sensor {
@@ -28,6 +30,7 @@ impl Sensor {
             Self::Point(keys) => &keys.name,
             Self::Reaction(keys) => &keys.name,
             Self::Volume(keys) => &keys.name,
+            Self::Strain(keys) => &keys.name,
         }
     }
 }
@@ -96,4 +99,21 @@ pub struct VolumeSensor {
     #[serde(default)]
     #[schemars(extend("x-marker" = "point"))]
     pub tip: [f64; 3],
+}
+
+/// Strain gauge on a shell: elongation of the material line through a point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StrainSensor {
+    /// Name of the sensor in results.
+    pub name: String,
+    /// Name of a set of elements.
+    pub on: String,
+    /// Point of one of the elements in the reference configuration (length), at any height between the faces: on a face for the strain
+    /// there, on the mid-surface for that of the membrane.
+    #[schemars(extend("x-marker" = "point"))]
+    pub at: [f64; 3],
+    /// Direction of the line in the reference configuration; it is projected along the director onto the surface.
+    #[schemars(extend("x-marker" = "direction"))]
+    pub direction: [f64; 3],
 }

@@ -20,6 +20,7 @@ pub fn sensor_columns(system: &System) -> Vec<String> {
             Measure::Point(_) => (&["x", "y", "z"], &["vx", "vy", "vz", "ax", "ay", "az"]),
             Measure::Reaction(_) => (&["force", "moment"], &[]),
             Measure::Volume(_) => (&["volume"], &["rate"]),
+            Measure::Strain(_) => (&["strain"], &["rate"]),
         };
         let rates = if moves { rates } else { &[] };
         out.extend(columns.iter().chain(rates).map(|column| format!("sensor.{}.{column}", sensor.name)));
@@ -60,6 +61,11 @@ pub fn sensor_values(system: &System, state: &State) -> Vec<f64> {
             Measure::Volume(cone) => {
                 let [volume, rate] = cone.value_and_rate(at, |v| vector(&state.v, v));
                 out.push(volume);
+                out.extend(moves.then_some(rate));
+            }
+            Measure::Strain(line) => {
+                let [strain, rate] = line.value_and_rate(system.linear, at, |v| vector(&state.v, v));
+                out.push(strain);
                 out.extend(moves.then_some(rate));
             }
         }
