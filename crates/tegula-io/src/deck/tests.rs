@@ -95,7 +95,7 @@ fn all_errors_come_at_once_in_the_order_of_the_text() {
     m.toml:14:1: sections[0]: missing key "thickness", or it is 0
       help: add "thickness", a number above 0: Thickness h (length)
     m.toml:21:8: loads[0].type: unknown type "egde"
-      help: did you mean "edge"? (one of "force", "moment", "edge", "edge-moment", "traction", "pressure", "gravity", "centrifugal")
+      help: did you mean "edge"? (one of "force", "moment", "follower-force", "follower-moment", "edge", "edge-moment", "traction", "pressure", "gravity", "centrifugal")
     "#);
 }
 

@@ -20,6 +20,9 @@ const LARGEST_ANGLE: f64 = 30.0;
 /// Sine of the angle between the direction of axis 1 and the beam, below which they are parallel.
 const PARALLEL: f64 = 1e-6;
 
+/// Distance along the axis between a node of a shell and the node of the beam that it is attached to, over the length of an element.
+const BESIDE: f64 = 1e-3;
+
 /// Mistakes in the values of beams.
 pub(super) fn keys(model: &Model, c: &mut Checker) {
     for (i, data) in model.beams.iter().enumerate() {
@@ -257,6 +260,24 @@ pub(super) fn with_nodes(model: &Model) -> Model {
         }
     }
     out
+}
+
+/// Number of the body that is the node of a beam beside a place of the reference configuration.
+///
+/// # Errors
+/// The place lies before or behind the nearest node, by this distance along the axis.
+pub(super) fn nearest_node(data: &Beam, place: &Vec3, coordinates: &Coordinates) -> Result<usize, f64> {
+    let axis = Axis::of(data);
+    let start = node_name(&data.name, 0, usize::MAX);
+    let first = coordinates.bodies.iter().position(|body| body.name == start).unwrap_or_default();
+    let nearest = (0..axis.points.len()).min_by(|&i, &j| {
+        let distance = |i: usize| (axis.points[i] - place).norm();
+        distance(i).total_cmp(&distance(j))
+    });
+    let nearest = nearest.unwrap_or_default();
+    let along = (axis.points[nearest] - place).dot(&axis.tangents()[nearest]).abs();
+    let length = axis.points.windows(2).map(|x| (x[1] - x[0]).norm()).fold(f64::INFINITY, f64::min);
+    if along <= BESIDE * length { Ok(first + nearest) } else { Err(along) }
 }
 
 fn section(data: &Beam, model: &Model) -> Option<SectionConstants> {

@@ -8,7 +8,7 @@ use crate::model::{Analysis, LinearSolver, Model};
 use crate::norm::larger;
 use crate::system::coordinates::Body;
 use crate::system::supports::Support;
-use crate::system::{Attached, Coordinates, DofMap, VectorKind};
+use crate::system::{Attached, BeamLine, Coordinates, DofMap, VectorKind};
 use crate::{Issue, Mat3, Vec3};
 
 /// Relative size of round-off in velocities and moments of inertia.
@@ -26,44 +26,86 @@ pub(super) fn solved_at_rest(model: &Model) -> bool {
     }
 }
 
-/// Attaches the nodes of the sets that bodies name to them.
+/// Attaches the nodes of the sets that bodies and beams name to them.
 pub(super) fn attach(model: &Model, mesh: &Mesh, coordinates: &mut Coordinates, issues: &mut Vec<Issue>) {
     let mut body_of: BTreeMap<u32, usize> = BTreeMap::new();
-    let mut triad = 0;
     for (i, data) in model.bodies.iter().enumerate() {
-        let Some(directors) = coordinates.bodies[i].directors else { continue };
+        if coordinates.bodies[i].directors.is_none() {
+            continue;
+        }
         for (k, set) in data.attached.iter().enumerate() {
             let key = format!("bodies[{i}].attached[{k}]");
-            let nodes = mesh.nodes_on(set).unwrap_or_default();
-            let nodes = nodes.into_iter().filter(|&n| coordinates.position_of[n as usize] != u32::MAX);
-            let mut found = false;
-            for node in nodes {
-                found = true;
-                let other = *body_of.entry(node).or_insert(i);
-                if other != i {
-                    issues.push(Issue::new(
+            let nodes = shell_nodes((&key, set), mesh, coordinates, issues);
+            let other = nodes.into_iter().find_map(|node| take((node, i), &mut body_of));
+            issues.extend(other.map(|other| on_two_bodies(&key, other, model, mesh)));
+        }
+    }
+    for (i, beam) in model.beams.iter().enumerate() {
+        for (k, set) in beam.attached.iter().enumerate() {
+            let key = format!("beams[{i}].attached[{k}]");
+            for node in shell_nodes((&key, set), mesh, coordinates, issues) {
+                let place = mesh.positions[node as usize];
+                let found = super::beams::nearest_node(beam, &place, coordinates);
+                let issue = match found {
+                    Ok(body) => {
+                        let other = take((node, body), &mut body_of);
+                        other.map(|other| on_two_bodies(&key, other, model, mesh))
+                    }
+                    Err(along) => Some(Issue::new(
                         key.clone(),
                         format!(
-                            "node {} is attached to the bodies \"{}\" and \"{}\"",
+                            "node {} lies {along:.3e} before or behind the nearest node of beam \"{}\"",
                             mesh.node_label(node),
-                            model.bodies[other].name,
-                            data.name
+                            beam.name
                         ),
-                        "take the node out of one of the sets, or connect the bodies by a joint",
-                    ));
+                        "give the beam a node beside each node of the set, by `points` or as many `elements` as the line has",
+                    )),
+                };
+                if let Some(issue) = issue {
+                    issues.push(issue);
                     break;
                 }
             }
-            if !found && mesh.nodes_on(set).is_some() {
-                let message = format!("no node of the set \"{set}\" belongs to an element");
-                issues.push(Issue::new(key, message, "name a set with nodes of the shell"));
-            }
         }
+    }
+    let with_axes: Vec<(usize, [u32; 3])> =
+        (0..).zip(&coordinates.bodies).filter_map(|(i, body)| Some((i, body.directors?))).collect();
+    for (triad, (i, directors)) in (0..).zip(with_axes) {
         let nodes = body_of.iter().filter(|(_, body)| **body == i).map(|(node, _)| *node);
         let attached = nodes.flat_map(|node| of_node(node, (triad, i, &directors), coordinates)).collect();
         coordinates.bodies[i].attached = attached;
-        triad += 1;
     }
+}
+
+/// Nodes of a set that belong to elements; there must be some.
+fn shell_nodes(
+    (key, set): (&str, &str),
+    mesh: &Mesh,
+    coordinates: &Coordinates,
+    issues: &mut Vec<Issue>,
+) -> Vec<u32> {
+    let Some(mut nodes) = mesh.nodes_on(set) else { return Vec::new() };
+    nodes.retain(|&node| coordinates.position_of[node as usize] != u32::MAX);
+    if nodes.is_empty() {
+        let message = format!("no node of the set \"{set}\" belongs to an element");
+        issues.push(Issue::new(key, message, "name a set with nodes of the shell"));
+    }
+    nodes
+}
+
+/// Attaches a node to a body; the node with the body that has it already and this one, if that is another one.
+fn take((node, body): (u32, usize), body_of: &mut BTreeMap<u32, usize>) -> Option<(u32, [usize; 2])> {
+    let other = *body_of.entry(node).or_insert(body);
+    (other != body).then_some((node, [other, body]))
+}
+
+fn on_two_bodies(key: &str, (node, bodies): (u32, [usize; 2]), model: &Model, mesh: &Mesh) -> Issue {
+    let [first, second] = bodies.map(|body| &model.bodies[body].name);
+    Issue::new(
+        key,
+        format!("node {} is attached to the bodies \"{first}\" and \"{second}\"", mesh.node_label(node)),
+        "take the node out of one of the sets, or connect the bodies by a joint",
+    )
 }
 
 /// Nodal vectors of a node, which follow each other, attached to a body.
@@ -152,8 +194,9 @@ pub(super) fn supported(supports: &[Support], coordinates: &Coordinates, mesh: &
     found.into_values().collect()
 }
 
-/// Bodies whose attached nodes leave them free to spin about a director: those of a static analysis need another node.
-pub(super) fn spinning(coordinates: &Coordinates) -> Vec<Issue> {
+/// Bodies whose attached nodes leave them free to spin about a director: those of a static analysis need another node, and nodes of beams are held by
+/// the beam.
+pub(super) fn spinning(coordinates: &Coordinates, beams: &[BeamLine]) -> Vec<Issue> {
     let spins = |body: &Body| {
         let first = body.attached.iter().find(|a| a.centre.is_some()).map(|a| a.coordinates)?;
         let arms = body.attached.iter().map(|a| {
@@ -172,7 +215,8 @@ pub(super) fn spinning(coordinates: &Coordinates) -> Vec<Issue> {
             "attach another node of the shell to the body",
         ))
     };
-    coordinates.bodies.iter().enumerate().filter_map(issue).collect()
+    let of_beam = |(i, _): &(usize, &Body)| beams.iter().any(|beam| beam.bodies.contains(i));
+    coordinates.bodies.iter().enumerate().filter(|body| !of_beam(body)).filter_map(issue).collect()
 }
 
 /// Sets the velocities of attached vectors at the start to those of their bodies, from which given ones must not differ.

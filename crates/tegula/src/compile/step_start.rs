@@ -47,7 +47,7 @@ impl Compiler<'_> {
             }
             issues.extend(mechanism::mechanisms(self.mesh, &coordinates, supports));
         }
-        issues.extend(patches::spinning(&self.vectors.coordinates));
+        issues.extend(patches::spinning(&self.vectors.coordinates, &self.beams));
         issues
     }
 

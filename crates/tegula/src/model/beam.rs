@@ -29,6 +29,10 @@ pub struct Beam {
     /// Name of an isotropic material; needed by sections of a shape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
+    /// Names of sets of shell nodes, such as a line of the mesh, that move with the cross-sections of the beam: each with the node of the beam
+    /// beside which it lies, at any distance across the axis. The beam stiffens the shell.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub attached: Vec<String>,
     /// Velocity of the first point at the start [length/time].
     #[serde(default)]
     pub velocity: [f64; 3],
@@ -61,6 +65,7 @@ impl Beam {
             twist: 0.0,
             section,
             material: None,
+            attached: Vec::new(),
             velocity: [0.0; 3],
             angular_velocity: [0.0; 3],
             retardation_time: 0.0,

@@ -86,6 +86,7 @@ mod step_joint_modes;
 mod step_joints;
 mod steps;
 mod steps_with_bodies;
+mod stiffeners;
 mod strain_gauges;
 mod surfaces;
 mod ties;
