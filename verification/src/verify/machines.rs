@@ -69,6 +69,7 @@ fn normal(report: &mut Report) -> Result<()> {
         model!("pendulum_fourth_order"),
         model!("bricard_fourth_order"),
         model!("slider_crank_fourth_order"),
+        model!("heavy_top_fourth_order"),
     ];
     compare_all(report, &models)?;
     free_flight(report)
