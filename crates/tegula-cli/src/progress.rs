@@ -111,8 +111,8 @@ impl JobObserver for ProgressLine {
         };
         let title = if start.title.is_empty() { String::new() } else { format!("{}: ", start.title) };
         self.say(&format!(
-            "{title}{} analysis, {} elements, {} unknowns{resumed}",
-            start.analysis,
+            "{title}{}, {} elements, {} unknowns{resumed}",
+            start.described(),
             grouped(start.elements),
             grouped(start.unknowns)
         ));

@@ -1,8 +1,8 @@
-//! Default of the scheme of time integration: energy–momentum where the model has bodies, beams, joints, ties or springs, which Newmark's
-//! scheme does not move.
+//! Default of the scheme of time integration where the model has bodies, beams, joints, ties or springs, which Newmark's scheme does not move:
+//! energy–momentum, or generalised-α where a material yields, whose dissipation the former does not follow.
 
 use tegula::Model;
-use tegula::model::{Analysis, EnergyMomentumScheme, Scheme};
+use tegula::model::{Analysis, EnergyMomentumScheme, GeneralizedAlphaScheme, Material, Scheme};
 use toml::Value;
 use toml::de::{DeTable, DeValue};
 
@@ -39,16 +39,20 @@ impl WithoutScheme {
         Self { whole: lacks(value), steps: steps.into_iter().flatten().map(lacks).collect() }
     }
 
-    /// Gives the scheme `energy-momentum` to analyses of a mechanism that have none.
+    /// Gives a scheme to analyses of a mechanism that have none.
     pub fn complete(&self, model: &mut Model) {
         if !model.is_mechanism() {
             return;
         }
+        let scheme = match model.materials.values().any(Material::yields) {
+            true => Scheme::GeneralizedAlpha(GeneralizedAlphaScheme::default()),
+            false => Scheme::EnergyMomentum(EnergyMomentumScheme::default()),
+        };
         let complete = |analysis: &mut Analysis| {
             if let Analysis::Transient(options) = analysis
                 && !options.linear
             {
-                options.scheme = Scheme::EnergyMomentum(EnergyMomentumScheme::default());
+                options.scheme = scheme;
             }
         };
         if self.whole {

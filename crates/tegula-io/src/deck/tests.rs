@@ -5,6 +5,7 @@ mod marker_keys;
 mod marker_mistakes;
 mod markers;
 mod messages;
+mod scheme_default;
 mod syntax;
 
 use std::path::Path;

@@ -82,6 +82,8 @@ pub struct Start {
     pub title: String,
     /// `static`, `path`, `modal`, `buckling` or `transient`.
     pub analysis: &'static str,
+    /// Scheme of time integration of a transient analysis, given or by default; empty for others.
+    pub scheme: &'static str,
     /// Shell elements.
     pub elements: usize,
     /// Unknowns.
@@ -90,6 +92,16 @@ pub struct Start {
     pub time: f64,
     /// Time (load factor) at which it ends.
     pub end: f64,
+}
+
+impl Start {
+    /// The analysis in words: `transient analysis by energy-momentum`.
+    pub fn described(&self) -> String {
+        match self.scheme {
+            "" => format!("{} analysis", self.analysis),
+            scheme => format!("{} analysis by {scheme}", self.analysis),
+        }
+    }
 }
 
 /// A finished step.

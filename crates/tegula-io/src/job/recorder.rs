@@ -115,8 +115,8 @@ impl<'a> Recorder<'a> {
     pub fn announce(&mut self, start: &Start) -> std::result::Result<(), OutputError> {
         let how = if start.time > 0.0 { format!("resumed at {}", start.time) } else { "started".into() };
         self.folder.log(&format!(
-            "tegula {}: {} analysis of {} elements, {} unknowns, {how}",
-            self.summary.version, start.analysis, start.elements, start.unknowns
+            "tegula {}: {} of {} elements, {} unknowns, {how}",
+            self.summary.version, start.described(), start.elements, start.unknowns
         ))
     }
 

@@ -175,9 +175,14 @@ pub(super) fn start(deck: &Deck, prepared: &Prepared, memory: Option<&Checkpoint
         Analysis::Buckling(_) => ("buckling", 1.0),
         Analysis::Transient(t) => ("transient", t.end_time),
     };
+    let scheme = match &deck.model.analysis {
+        Analysis::Transient(t) => t.scheme.name(),
+        _ => "",
+    };
     Start {
         title: deck.model.title.clone(),
         analysis,
+        scheme,
         elements: prepared.system.elements(),
         unknowns: prepared.system.unknowns(),
         time: memory.map_or(prepared.system.first_load_factor(), |m| m.state.time),

@@ -127,7 +127,7 @@ pub(super) fn follower_loads(
     let (mut out, mut load_of) = (Vec::new(), Vec::new());
     for (number, (load, continued)) in step.model.loads.iter().zip(&step.loads).enumerate() {
         let loaded = Loaded::new(load, mesh, &vectors.coordinates);
-        let following = TurningNodes::new(&loaded, dofs);
+        let turning = TurningNodes::new(&loaded, (vectors, dofs));
         let amplitude = load.amplitude().as_ref().and_then(|a| amplitudes.get(a).copied());
         let factor = continued.factor(amplitude);
         for action in load.actions(&loaded) {
@@ -158,10 +158,12 @@ pub(super) fn follower_loads(
                     out.push(FollowerLoad::Pressure { vectors, pressure, factor });
                 }
                 Action::FollowerForce { node, force } => {
-                    out.extend(following.force(node, force).map(|load| FollowerLoad::Own { load, factor }));
+                    let loads = turning.force(node, force).into_iter();
+                    out.extend(loads.map(|load| FollowerLoad::Own { load, factor }));
                 }
                 Action::FollowerMoment { node, moment } => {
-                    out.extend(following.moment(node, moment).map(|load| FollowerLoad::Own { load, factor }));
+                    let loads = turning.moment(node, moment).into_iter();
+                    out.extend(loads.map(|load| FollowerLoad::Own { load, factor }));
                 }
                 Action::Follower(load) => out.push(FollowerLoad::Own { load: OwnLoad(load), factor }),
                 Action::Force { .. } | Action::Gravity(_) | Action::Centrifugal { .. } => {}

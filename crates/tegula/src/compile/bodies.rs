@@ -24,14 +24,20 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         return;
     }
     let kinematic = matches!(&model.analysis, Analysis::Transient(t) if t.scheme.is_kinematic());
-    let transient = matches!(&model.analysis, Analysis::Transient(t) if t.scheme.moves_bodies() && !t.linear);
+    let moves = matches!(&model.analysis, Analysis::Transient(t) if t.scheme.moves_bodies());
+    let is_linear = matches!(&model.analysis, Analysis::Transient(t) if t.linear);
+    let transient = moves && !is_linear;
     if !transient && !super::patches::solved_at_rest(model) {
         c.add(
             "analysis",
             "bodies, beams, joints, ties, springs and bushings move in nonlinear transient analyses with the schemes \"energy-momentum\", \
              \"generalized-alpha\", \"bdf2\", \"explicit\" and \"kinematic\" only; nonlinear static analyses with the direct solver and modal analyses take them, too",
-            "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`, or for numerical damping as of `hht` \
-             `scheme = { type = \"generalized-alpha\" }`",
+            if moves && is_linear {
+                "leave `linear = true` out"
+            } else {
+                "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`, or for numerical damping as of `hht` \
+                 `scheme = { type = \"generalized-alpha\" }`; leave `linear = true` out"
+            },
         );
     }
     if !matches!(model.analysis, Analysis::Transient(_)) {

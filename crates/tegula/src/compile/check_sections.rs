@@ -237,10 +237,10 @@ fn ability(model: &Model, s: &Section, key: &str, name: &str, material: &Materia
             format!(
                 "the energy-momentum scheme conserves energy, which the plastic material \"{name}\" dissipates"
             ),
-            if model.bodies.is_empty() && model.joints.is_empty() {
-                "use `newmark`, `hht` or `generalized-alpha`"
-            } else {
+            if model.is_mechanism() {
                 "use `generalized-alpha`"
+            } else {
+                "use `newmark`, `hht` or `generalized-alpha`"
             },
         );
     }

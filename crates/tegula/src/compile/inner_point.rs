@@ -5,7 +5,7 @@
 
 use super::sections::Elements;
 use crate::constraint::joints::End;
-use crate::constraint::{Attachment, FollowedPoint, MaterialLine};
+use crate::constraint::{Attachment, FollowedPoint, MaterialLine, StrainGauge};
 use crate::mesh::{Mesh, show};
 use crate::{Mat3, Vec3};
 
@@ -27,6 +27,53 @@ struct Found {
     corners: [Vec3; 8],
     /// ξ and η from 0 to 1, and the height in units of the directors.
     place: [f64; 3],
+}
+
+impl Found {
+    /// Vectors along ξ and η at a place, at the height of the point, and the director there.
+    fn base(&self, [xi, eta]: [f64; 2]) -> [Vec3; 3] {
+        let height = self.place[2];
+        let sum = |weights: [f64; 4]| -> Vec3 {
+            (0..4).map(|a| (self.corners[a] + self.corners[4 + a] * height) * weights[a]).sum()
+        };
+        let director = (0..4).map(|a| self.corners[4 + a] * shapes(xi, eta)[a]).sum();
+        [sum(along_xi(eta)), sum(along_eta(xi)), director]
+    }
+
+    /// Material line of length 1 at a place along a direction that is projected along the director; `None` where that leaves nothing.
+    fn line(&self, [xi, eta]: [f64; 2], direction: &Vec3) -> Option<MaterialLine> {
+        let [first, second, director] = self.base([xi, eta]);
+        let c = Mat3::from_columns(&[first, second, director]).try_inverse()? * direction;
+        let length = (first * c.x + second * c.y).norm();
+        let c = if length > ALONG_DIRECTOR { c / length } else { return None };
+        let along: [f64; 4] = std::array::from_fn(|a| c.x * along_xi(eta)[a] + c.y * along_eta(xi)[a]);
+        let weights = along.into_iter().chain(along.map(|weight| self.place[2] * weight));
+        let terms = self.vectors.into_iter().zip(weights).filter(|(_, weight)| *weight != 0.0).collect();
+        let vector = Attachment { terms, constant: Vec3::zeros() };
+        Some(MaterialLine { vector, reference: first * c.x + second * c.y })
+    }
+
+    /// Strain gauge along a direction, on axes that are those of the element in its middle: normal to each other, as near to ξ and η as that is possible.
+    fn gauge(&self, direction: &Vec3) -> Option<StrainGauge> {
+        let [xi, eta, _] = self.place;
+        let [first, second, _] = self.base([0.5; 2]);
+        let axes = orthonormal([first, second]);
+        let [a, b] = [self.line([xi, eta], &axes[0])?, self.line([xi, eta], &axes[1])?];
+        let at_place = orthonormal([a.reference, b.reference]);
+        let wanted = self.line([xi, eta], direction)?.reference;
+        Some(StrainGauge {
+            lines: [self.line([xi, eta], &at_place[0])?, self.line([xi, eta], &at_place[1])?],
+            middle: [self.line([0.5; 2], &axes[0])?, self.line([0.5; 2], &axes[1])?],
+            direction: at_place.map(|axis| axis.dot(&wanted)),
+        })
+    }
+}
+
+/// Unit vectors at a right angle in the plane of two vectors, with the same bisector.
+fn orthonormal(vectors: [Vec3; 2]) -> [Vec3; 2] {
+    let [a, b] = vectors.map(|vector| vector.normalize());
+    let (sum, difference) = ((a + b).normalize(), (a - b).normalize());
+    [sum + difference, sum - difference].map(|axis| axis.normalize())
 }
 
 /// Nodal vectors and thickness of the shells of a model, quad by quad.
@@ -76,37 +123,29 @@ impl Corners {
         self.find(quads, at, model).map(|found| followed(&found.vectors, &found.corners, found.place))
     }
 
-    /// Material line through a point of one of the quads, along a direction that is projected along the director onto the surface.
+    /// Strain gauges at a point, one in each of the quads that contain it, along a direction that is projected along the director onto the surface.
+    /// Quads that the direction crosses are left out where there are others.
     ///
     /// # Errors
     /// No quad contains the point, or the direction is across the surface: a message and what to do.
-    pub(super) fn line(
+    pub(super) fn gauges(
         &self,
         quads: &[u32],
         at: &Vec3,
         direction: &Vec3,
-        model: (impl Fn(u32) -> Vec3, f64),
-    ) -> Result<MaterialLine, (String, String)> {
-        let Found { vectors, corners, place: [xi, eta, height] } = self.find(quads, at, model)?;
-        let sum = |weights: [f64; 4], height: f64| -> Vec3 {
-            (0..4).map(|a| (corners[a] + corners[4 + a] * height) * weights[a]).sum()
-        };
-        let director = (0..4).map(|a| corners[4 + a] * shapes(xi, eta)[a]).sum::<Vec3>();
-        let base = [sum(along_xi(eta), height), sum(along_eta(xi), height)];
-        let inverse = Mat3::from_columns(&[base[0], base[1], director]).try_inverse();
-        let components = inverse.map(|inverse| inverse * direction.normalize());
-        let length = components.map_or(0.0, |c| (base[0] * c.x + base[1] * c.y).norm());
-        let Some(c) = components.filter(|_| length > ALONG_DIRECTOR).map(|c| c / length) else {
+        (reference, length): (impl Fn(u32) -> Vec3, f64),
+    ) -> Result<Vec<StrainGauge>, (String, String)> {
+        // The message of the search tells what is wrong where no quad contains the point.
+        self.find(quads, at, (&reference, length))?;
+        let found = quads.iter().filter_map(|quad| self.find(&[*quad], at, (&reference, length)).ok());
+        let gauges: Vec<StrainGauge> = found.filter_map(|found| found.gauge(&direction.normalize())).collect();
+        if gauges.is_empty() {
             return Err((
                 format!("the direction is along the director at the point {}", show(*at)),
                 "give a direction in the surface".into(),
             ));
-        };
-        let along: [f64; 4] = std::array::from_fn(|a| c.x * along_xi(eta)[a] + c.y * along_eta(xi)[a]);
-        let weights = along.into_iter().chain(along.map(|weight| height * weight));
-        let terms = vectors.into_iter().zip(weights).filter(|(_, weight)| *weight != 0.0).collect();
-        let vector = Attachment { terms, constant: Vec3::zeros() };
-        Ok(MaterialLine { vector, reference: base[0] * c.x + base[1] * c.y })
+        }
+        Ok(gauges)
     }
 
     /// Element that contains a place of the reference configuration.

@@ -129,9 +129,9 @@ fn strain(place: &Place, (key, keys): (&str, &StrainSensor), c: &mut Checker) ->
         return None;
     };
     let reference = |v: u32| Vec3::from(place.coordinates.reference[v as usize]);
-    let found = place.corners.line(&quads, &keys.at.into(), &keys.direction.into(), (reference, place.length));
-    match found {
-        Ok(line) => Some(Measure::Strain(line)),
+    let (at, direction) = (keys.at.into(), keys.direction.into());
+    match place.corners.gauges(&quads, &at, &direction, (reference, place.length)) {
+        Ok(gauges) => Some(Measure::Strain(gauges)),
         Err((message, help)) => {
             c.add(key, format!("the sensor \"{}\": {message}", keys.name), help);
             None

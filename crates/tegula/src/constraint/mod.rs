@@ -37,7 +37,7 @@ pub use coordinate_law::{CoordinateLaw, CoordinateMode, CoordinateState};
 pub use foundation::{FoundationElement, FoundationGroup};
 pub use joint::{Drive, Joint, JointGroup, Role};
 pub use row::{DriveValue, Quantity, Row};
-pub use sensor::{ConeVolume, MaterialLine, Measure, Sensor};
+pub use sensor::{ConeVolume, MaterialLine, Measure, Sensor, StrainGauge};
 pub use spline::{CurvePoint, Spline};
 pub use spring::{Spring, SpringGroup};
 pub use spring_across::Across;

@@ -27,8 +27,8 @@ pub enum Measure {
     Reaction(usize),
     /// Volume of the cone over a surface.
     Volume(ConeVolume),
-    /// Elongation of a material line.
-    Strain(MaterialLine),
+    /// Mean elongation of gauges in all elements that contain a point.
+    Strain(Vec<StrainGauge>),
 }
 
 /// Material line element of a shell: a vector that is linear in the nodal vectors, of length 1 in the reference configuration.
@@ -40,21 +40,46 @@ pub struct MaterialLine {
     pub reference: Vec3,
 }
 
-impl MaterialLine {
-    /// Elongation `|t| − 1` of the line and its rate; with `linear` those of small displacements, `t₀·(t − t₀)`.
+/// Strain gauge in a shell element: Green–Lagrange strains along two axes of its surface at its place, and their shear strain in the middle of the element.
+/// Away from the middle the bilinear displacements have a shear strain under in-plane bending that the structure has not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StrainGauge {
+    /// Lines along both axes at the place of the gauge.
+    pub lines: [MaterialLine; 2],
+    /// Lines along both axes in the middle of the element.
+    pub middle: [MaterialLine; 2],
+    /// Components of the direction of the gauge along the axes.
+    pub direction: [f64; 2],
+}
+
+impl StrainGauge {
+    /// Elongation `λ − 1` with `λ² = 1 + 2 E`, and its rate; with `linear` those of small displacements.
     pub fn value_and_rate(
         &self,
         linear: bool,
-        at: impl Fn(u32) -> Vec3,
-        velocity: impl Fn(u32) -> Vec3,
+        at: impl Fn(u32) -> Vec3 + Copy,
+        velocity: impl Fn(u32) -> Vec3 + Copy,
     ) -> [f64; 2] {
-        let (line, change) = (self.vector.value(at), self.vector.rate(velocity));
+        // Twice the strain of two lines `a·b − A·B`, and its rate.
+        let twice = |[a, b]: [&MaterialLine; 2]| {
+            let [x, y] = [a, b].map(|line| line.vector.value(at));
+            let [v, w] = [a, b].map(|line| line.vector.rate(velocity));
+            let (u, z) = (x - a.reference, y - b.reference);
+            let small = u.dot(&b.reference) + a.reference.dot(&z);
+            match linear {
+                true => [small, v.dot(&b.reference) + a.reference.dot(&w)],
+                false => [small + u.dot(&z), v.dot(&y) + x.dot(&w)],
+            }
+        };
+        let ([a, b], [p, q], [c, s]) = (&self.lines, &self.middle, self.direction);
+        let parts = [(c * c, twice([a, a])), (s * s, twice([b, b])), (2.0 * c * s, twice([p, q]))];
+        let [strain, rate] = [0, 1].map(|i| parts.iter().map(|(weight, part)| weight * part[i]).sum::<f64>());
         if linear {
-            return [self.reference.dot(&(line - self.reference)), self.reference.dot(&change)];
+            return [0.5 * strain, 0.5 * rate];
         }
-        // |t| − 1 = (|t|² − 1)/(|t| + 1) keeps the digits of small strains.
-        let (u, length) = (line - self.reference, line.norm());
-        [u.dot(&(line + self.reference)) / (length + 1.0), line.dot(&change) / length]
+        // √(1 + 2E) − 1 = 2E/(√(1 + 2E) + 1) keeps the digits of small strains.
+        let length = (1.0 + strain).sqrt();
+        [strain / (length + 1.0), 0.5 * rate / length]
     }
 }
 

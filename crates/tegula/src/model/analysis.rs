@@ -246,8 +246,8 @@ pub struct TransientAnalysis {
     /// Time at which the analysis ends (time); it starts at 0.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub end_time: f64,
-    /// Time integration scheme; in a model file without it `energy-momentum` where the model has bodies, beams, joints, ties or springs,
-    /// and `newmark` elsewhere.
+    /// Time integration scheme; in a model file without it `newmark`, but where the model has bodies, beams, joints, ties or springs
+    /// `energy-momentum`, or `generalized-alpha` if a material yields.
     #[serde(default)]
     pub scheme: Scheme,
     /// Tolerance of automatic steps: RMS error of position per step over the size of the model.

@@ -75,6 +75,34 @@ fn limit_points_of_hinged_roofs_are_those_of_power_series() {
     }
 }
 
+/// Laminates of three plies with the material of K. Y. Sze, X. H. Liu, S. H. Lo, Finite Elem. Anal. Des. 40 (2004) 1551–1569, Table 7.
+#[test]
+fn limit_points_of_laminated_roofs_are_those_of_power_series() {
+    for angles in [[0.0, 90.0, 0.0], [90.0, 0.0, 90.0]] {
+        let mut m = roof(8, 12.7);
+        let name = m.sections[0].material.clone();
+        let orthotropic = Orthotropic {
+            young: [3300.0, 1100.0, 1100.0],
+            poisson: [0.25; 3],
+            shear: [660.0; 3],
+            density: 1.0,
+            expansion: [0.0; 3],
+            strength: None,
+        };
+        m.materials.insert(name.clone(), Material::Orthotropic(orthotropic));
+        let ply = |angle| LayupPly { material: Some(name.clone()), angle, thickness: Some(12.7 / 3.0) };
+        m.sections[0].layup = Some(Layup { plies: angles.map(ply).to_vec(), ..Layup::default() });
+        (m.sections[0].material, m.sections[0].thickness) = (String::new(), 0.0);
+        let [(outcome, _), (series, _)] = [by_arc_length(&m), m].map(|m| follow(&m, "u_min_v_min"));
+        let [found, other] = [&outcome, &series].map(critical);
+        assert!(found.len() == 2 && other.len() == 2, "{angles:?}: {found:?} {other:?}");
+        for (point, other) in found.iter().zip(other) {
+            assert!(point.kind == CriticalKind::Limit && other.kind == CriticalKind::Limit);
+            assert!((point.load / other.load - 1.0).abs() < 1e-8, "{} {}", point.load, other.load);
+        }
+    }
+}
+
 /// A path does not depend on units: lengths in other units, stresses in others.
 #[test]
 fn arc_length_paths_do_not_depend_on_units() {

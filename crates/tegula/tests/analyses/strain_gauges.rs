@@ -2,6 +2,7 @@
 
 use crate::common::{compile, irregular, model, on, plate, static_options, vector_load};
 
+use tegula::Vec3;
 use tegula::analysis::{Silent, statics};
 use tegula::model::*;
 use tegula::result::{sensor_columns, sensor_values};
@@ -83,24 +84,91 @@ fn gauges_on_the_faces_of_a_strip_show_its_curvature() {
     }
 }
 
+/// Pure bending in the plane of a strip without lateral contraction: the strain along 45° is half of that along the strip at any place of an element, where
+/// the displacements of a bilinear element have a shear strain that the strip has not.
+#[test]
+fn gauges_under_bending_in_the_plane_have_no_parasitic_shear() {
+    let small = 1e-6;
+    for linear in [true, false] {
+        for x in [0.51, 0.525, 0.55, 0.59] {
+            for (direction, share) in [([1.0, 0.0, 0.0], 1.0), ([1.0, 1.0, 0.0], 0.5), ([0.0, 1.0, 0.0], 0.0)] {
+                let mut m = strip([10, 4], 0.0, linear);
+                m.materials.values_mut().for_each(|material| {
+                    if let Material::Isotropic(i) = material {
+                        i.poisson = 0.0;
+                    }
+                });
+                // The line of symmetry at y = 0 would hold the bending.
+                m.conditions.remove(1);
+                m.conditions.push(Condition::Fix(FixComponents {
+                    on: "u_min_v_min".into(),
+                    position: vec![Axis::Y],
+                    director: Vec::new(),
+                }));
+                let load = VectorLoad {
+                    distribution: Some("(y - 0.1)/0.1".into()),
+                    ..vector_load("u_max", [small * YOUNG * THICKNESS, 0.0, 0.0])
+                };
+                m.loads = vec![Load::Edge(load)];
+                m.sensors = vec![gauge([x, 0.17, 0.0], direction)];
+                let (found, exact) = (strain(&m), 0.7 * small * share);
+                assert!((found - exact).abs() < 1e-3 * small, "{x} {direction:?}: {found:e} {exact:e}");
+            }
+        }
+    }
+}
+
+/// On a node, an edge, and inside, whatever the order of elements and of the nodes of each.
+#[test]
+fn gauges_do_not_depend_on_the_numbering_of_the_mesh() {
+    let mesh = irregular(5);
+    let (_, inner) = (0..).zip(&mesh.positions).filter(|(_, x)| x.norm() > 0.0).nth(14).unwrap();
+    for at in [*inner, mesh.quads[9].map(|n| mesh.positions[n as usize]).iter().sum::<Vec3>() / 4.0] {
+        let of = |mesh: &tegula::Mesh| {
+            let mut m = model(plate([1.0, 1.0], [1, 1], 0.0), YOUNG, THICKNESS);
+            m.conditions.clear();
+            m.sensors = vec![gauge(at.into(), [0.3, -0.8, 0.1])];
+            m.analysis = Analysis::Transient(TransientAnalysis::new(0.02));
+            let system = tegula::compile::build(&m, mesh).unwrap();
+            let mut state = tegula::analysis::State::at_rest(&system);
+            for (v, node) in system.coordinates.nodes.iter().enumerate() {
+                let x = mesh.positions[*node as usize];
+                // Directors stand still; the shell is stretched by different amounts.
+                if system.coordinates.position_of[*node as usize] == v as u32 {
+                    state.u[v] = [0.01 * x.x * x.x, 0.02 * x.x * x.y, 0.0];
+                }
+            }
+            sensor_values(&system, &state)[0]
+        };
+        let first = of(&mesh);
+        let mut turned = mesh.clone();
+        for (i, quad) in turned.quads.iter_mut().enumerate() {
+            quad.rotate_left(i % 4);
+        }
+        assert!(first.abs() > 1e-4 && (of(&turned) / first - 1.0).abs() < 1e-9, "{} {first}", of(&turned));
+        turned.quads.reverse();
+        assert!((of(&turned) / first - 1.0).abs() < 1e-9, "{} {first}", of(&turned));
+    }
+}
+
 /// A free irregular plate that turns has no strain, and no rate.
 #[test]
 fn gauges_do_not_see_rotations() {
     let mesh = irregular(5);
     let mut m = model(plate([1.0, 1.0], [1, 1], 0.0), YOUNG, THICKNESS);
     m.conditions.clear();
-    let place = mesh.quads[7].map(|n| mesh.positions[n as usize]).iter().sum::<tegula::Vec3>() / 4.0;
+    let place = mesh.quads[7].map(|n| mesh.positions[n as usize]).iter().sum::<Vec3>() / 4.0;
     m.sensors = vec![gauge(place.into(), [0.3, -0.8, 0.1])];
     let analysis = TransientAnalysis { time_step: Some(0.01), ..TransientAnalysis::new(0.02) };
     m.analysis = Analysis::Transient(analysis);
     let system = tegula::compile::build(&m, &mesh).unwrap();
     assert_eq!(sensor_columns(&system), ["sensor.gauge.strain", "sensor.gauge.rate"]);
     let mut state = tegula::analysis::State::at_rest(&system);
-    let turned = nalgebra::Rotation3::new(tegula::Vec3::new(1.1, -0.7, 2.0));
-    let spin = tegula::Vec3::new(3.0, -2.0, 5.0);
+    let turned = nalgebra::Rotation3::new(Vec3::new(1.1, -0.7, 2.0));
+    let spin = Vec3::new(3.0, -2.0, 5.0);
     state.v = vec![[0.0; 3]; system.vectors()];
     for v in 0..system.vectors() {
-        let reference = tegula::Vec3::from(system.coordinates.reference[v]);
+        let reference = Vec3::from(system.coordinates.reference[v]);
         state.u[v] = (turned * reference - reference).into();
         state.v[v] = spin.cross(&(turned * reference)).into();
     }

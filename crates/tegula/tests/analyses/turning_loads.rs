@@ -4,7 +4,7 @@ use crate::common::{compile, displacement, model, on, plate, static_options, vec
 
 use tegula::analysis::{Observer, Silent, State, Step, dynamics, statics};
 use tegula::model::*;
-use tegula::{Result, System, Vec3};
+use tegula::{Mesh, Result, System, Vec3};
 
 /// Position of the end of a clamped beam of length 1 that bends and does not stretch, over the length, under a force P across it that turns
 /// with its end, over EI/L². Seen from the end, the curvature is the force times the distance along its tangent: the initial value problem
@@ -226,4 +226,36 @@ fn becks_column_flutters_above_its_critical_force() {
     assert!(stable[4] > 0.0 && stable[4] < 1.2 * stable[0], "{stable:?}");
     let unstable = deflections_of_becks_column(22.0 * bending());
     assert!(unstable[1] > 10.0 * unstable[0] && unstable[2] > 10.0 * unstable[1], "{unstable:?}");
+}
+
+/// Loads on single nodes in the middle of a square mesh, whose edges are as near to the load as each other, and at a corner.
+#[test]
+fn follower_loads_on_shells_do_not_depend_on_the_numbering_of_the_mesh() {
+    let source = plate([1.0, 1.0], [4, 4], 0.0);
+    let mesh = tegula::mesh::generators::generate(&source).unwrap();
+    let middle = (0..).zip(&mesh.positions).find(|(_, x)| (*x - Vec3::new(0.5, 0.5, 0.0)).norm() < 1e-9).unwrap().0;
+    for load in [
+        Load::FollowerMoment(vector_load("middle", [0.0, 0.0, 30.0])),
+        Load::FollowerMoment(vector_load("u_max_v_max", [0.1, 0.2, 3.0])),
+        Load::FollowerForce(vector_load("middle", [100.0, 100.0, 1.0])),
+    ] {
+        let of = |mut mesh: Mesh| {
+            mesh.node_sets.insert("middle".into(), vec![middle]);
+            let mut m = model(source.clone(), YOUNG, THICKNESS);
+            m.conditions = vec![Condition::Clamp(on("u_min"))];
+            m.analysis = Analysis::Static(StaticAnalysis::default());
+            m.loads = vec![load.clone()];
+            let system = tegula::compile::build(&m, &mesh).unwrap();
+            let outcome = statics::run(&system, &static_options(&m), None, &mut Silent).unwrap();
+            displacement(&mesh, &system, &outcome.state.u, "u_max_v_min")
+        };
+        let first = of(mesh.clone());
+        let mut turned = mesh.clone();
+        for (i, quad) in turned.quads.iter_mut().enumerate() {
+            quad.rotate_left(i % 4);
+        }
+        turned.quads.reverse();
+        let other = of(turned);
+        assert!(first.norm() > 1e-6 && (first - other).norm() < 1e-8 * first.norm(), "{load:?}: {first} {other}");
+    }
 }
