@@ -183,7 +183,8 @@ fn loads_act_on_every_node_and_pressures_against_the_director() {
             .collect::<Vec<_>>()
     };
     assert_eq!(names(&found), names(&json(expected)));
-    let found = part(SUPPORT, &step("*CLOAD, FOLLOWER\nTip, 1, 2.\nTip, 5, 4.\n*CLOAD\nTip, 3, 1.\n"), "loads");
+    let found =
+        part(SUPPORT, &step("*CLOAD, FOLLOWER\nTip, 1, 2.\nTip, 5, 4.\n*CLOAD\nTip, 3, 1.\n"), "loads");
     let expected = r#"[{"type": "follower-force", "on": "Tip", "value": [2.0, 0.0, 0.0]},
         {"type": "follower-moment", "on": "Tip", "value": [0.0, 4.0, 0.0]},
         {"type": "force", "on": "Tip", "value": [0.0, 0.0, 1.0]}]"#;

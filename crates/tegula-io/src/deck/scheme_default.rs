@@ -26,15 +26,14 @@ impl WithoutScheme {
             Some(DeValue::Array(list)) => list.iter().collect(),
             _ => Vec::new(),
         };
-        let of_step = |step: &toml::Spanned<DeValue<'_>>| {
-            matches!(step.get_ref(), DeValue::Table(table) if lacks(table))
-        };
+        let of_step = |step: &toml::Spanned<DeValue<'_>>| matches!(step.get_ref(), DeValue::Table(table) if lacks(table));
         Self { whole: lacks(tree), steps: steps.into_iter().map(of_step).collect() }
     }
 
     /// Analyses without a scheme in a table.
     pub fn of_value(value: &Value) -> Self {
-        let lacks = |value: &Value| value.get("analysis").is_some_and(|analysis| analysis.get("scheme").is_none());
+        let lacks =
+            |value: &Value| value.get("analysis").is_some_and(|analysis| analysis.get("scheme").is_none());
         let steps = value.get("steps").and_then(Value::as_array);
         Self { whole: lacks(value), steps: steps.into_iter().flatten().map(lacks).collect() }
     }

@@ -2,13 +2,13 @@
 
 use tegula::System;
 use tegula::analysis::State;
-use tegula::result::beams::beam_resultants;
 use tegula::load::LoadParameter;
-use tegula::result::{joint_drift, joint_power};
+use tegula::result::beams::beam_resultants;
 use tegula::result::bodies::{
     BodyMotion, bushing_responses, coordinate_response, joint_reaction, reference_axes,
     spring_lengths_and_forces, torsion_angles_and_moments,
 };
+use tegula::result::{joint_drift, joint_power};
 use tegula::system::BeamLine;
 use tegula::system::coordinates::Body;
 

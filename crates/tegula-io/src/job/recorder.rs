@@ -116,7 +116,10 @@ impl<'a> Recorder<'a> {
         let how = if start.time > 0.0 { format!("resumed at {}", start.time) } else { "started".into() };
         self.folder.log(&format!(
             "tegula {}: {} of {} elements, {} unknowns, {how}",
-            self.summary.version, start.described(), start.elements, start.unknowns
+            self.summary.version,
+            start.described(),
+            start.elements,
+            start.unknowns
         ))
     }
 

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::turning_nodes::TurningNodes;
 use super::adaptive_integrals::{Integral, over_edges, over_elements};
+use super::turning_nodes::TurningNodes;
 use super::{StepModel, Vectors};
 use crate::element::Nodal;
 use crate::element::geometry::{ShellGeometry, nodal_areas, shell_mass, tangents};

@@ -6,6 +6,7 @@ use crate::element::ElementGroup;
 use crate::element::beam;
 use crate::element::generalized_law::LinearLaw;
 use crate::element::quadratic::{Members, QuadraticGroup};
+use crate::mesh::Mesh;
 use crate::model::{Beam, BeamSection, Isotropic, Material, Model, RigidBody, SectionConstants};
 use crate::section::beam::constants;
 use crate::system::{BeamLine, Coordinates};
@@ -42,6 +43,15 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         section_values(data, model, &key, c);
         if c.issues.len() == mistakes {
             axis_values(data, &key, c);
+        }
+    }
+}
+
+/// Sets of attached nodes that the mesh does not have.
+pub(super) fn sets(model: &Model, mesh: &Mesh, c: &mut Checker) {
+    for (i, beam) in model.beams.iter().enumerate() {
+        for (k, set) in beam.attached.iter().enumerate() {
+            c.set(mesh, format!("beams[{i}].attached[{k}]"), set, "nodes", Mesh::nodes_on);
         }
     }
 }

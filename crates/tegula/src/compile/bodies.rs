@@ -31,7 +31,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         c.add(
             "analysis",
             "bodies, beams, joints, ties, springs and bushings move in nonlinear transient analyses with the schemes \"energy-momentum\", \
-             \"generalized-alpha\", \"bdf2\", \"explicit\" and \"kinematic\" only; nonlinear static analyses with the direct solver and modal analyses take them, too",
+             \"generalized-alpha\", \"bdf2\", \"explicit\" and \"kinematic\" only; nonlinear static analyses with the direct solver, paths, modal and buckling analyses take them, too",
             if moves && is_linear {
                 "leave `linear = true` out"
             } else {
@@ -217,6 +217,17 @@ pub(super) fn sides(
     found.zip(carrier)
 }
 
+/// Body that is one of two ends, and whose attached node is the other one.
+fn within_a_body<'a>(ends: &[End; 2], coordinates: &'a Coordinates) -> Option<&'a Body> {
+    let ([End::Body { vectors: (centre, _), .. }, End::Point { vector, .. }]
+    | [End::Point { vector, .. }, End::Body { vectors: (centre, _), .. }]) = ends
+    else {
+        return None;
+    };
+    let body = coordinates.bodies.iter().find(|body| body.centre == *centre)?;
+    body.attached.iter().any(|attached| attached.vector == *vector).then_some(body)
+}
+
 /// Joints of the model, or what is wrong with their ends.
 pub(super) fn joints(
     model: &Model,
@@ -232,6 +243,18 @@ pub(super) fn joints(
         let (keys, key) = (data.common(), format!("joints[{i}]"));
         let place = Place { model, mesh, coordinates, length, corners };
         let Some((ends, carrier)) = sides(&place, (i, data), &mut c) else { continue };
+        if let Some(body) = within_a_body(&ends, coordinates) {
+            c.add(
+                format!("{key}.between"),
+                format!(
+                    "the joint \"{}\" is between body \"{}\" and a node that is attached to it",
+                    keys.name(),
+                    body.name
+                ),
+                "take the node out of the `attached` set, or leave the joint out",
+            );
+            continue;
+        }
         let drive = keys.drive().and_then(|drive| {
             let amplitude = model.amplitudes.keys().position(|name| name == drive.amplitude)?;
             Some(Drive { amplitude, value: drive.value, offset: 0.0 })

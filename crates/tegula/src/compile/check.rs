@@ -195,11 +195,7 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
             c.set(mesh, format!("bodies[{i}].distributed[{k}]"), set, "nodes", Mesh::nodes_on);
         }
     }
-    for (i, beam) in model.beams.iter().enumerate() {
-        for (k, set) in beam.attached.iter().enumerate() {
-            c.set(mesh, format!("beams[{i}].attached[{k}]"), set, "nodes", Mesh::nodes_on);
-        }
-    }
+    super::beams::sets(model, mesh, &mut c);
     loads_of(model, mesh, &mut c);
     for (i, p) in model.prescribed_strains.iter().enumerate() {
         drop(c.set(mesh, format!("prescribed_strains[{i}].on"), p.on(), "quads", Mesh::quads_on));

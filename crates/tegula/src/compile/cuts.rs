@@ -8,7 +8,7 @@ use crate::checker::Checker;
 use crate::element::ElementGroup;
 use crate::mesh::Mesh;
 use crate::model::{self, Analysis, Model};
-use crate::system::{Coordinates, Cut, GroupOffsets, Shell, System};
+use crate::system::{Attached, BeamLine, Coordinates, Cut, GroupOffsets, Shell, System};
 
 /// Longest name of a cut (characters).
 const LONGEST_NAME: usize = 60;
@@ -181,6 +181,36 @@ fn rigid<'a>(coordinates: &'a Coordinates, mesh: &Mesh, shell: &Shell) -> Option
         .iter()
         .find(|body| corners(mesh, shell).iter().all(|n| holds(&body.attached, n)))?;
     Some(&body.name)
+}
+
+/// Warning of cuts that a beam passes with the nodes that it carries.
+pub(super) fn beside_beams(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
+    let mut found = Vec::new();
+    for (i, data) in model.output.cuts.iter().enumerate() {
+        let line = Line::new(data, mesh);
+        let on_line = |attached: &Attached| {
+            system
+                .coordinates
+                .nodes
+                .get(attached.vector as usize)
+                .is_some_and(|node| line.nodes.contains(node))
+        };
+        let passes = |beam: &&BeamLine| {
+            system.coordinates.bodies[beam.bodies.clone()]
+                .iter()
+                .any(|body| body.attached.iter().any(on_line))
+        };
+        let Some(beam) = system.beams.iter().find(passes) else { continue };
+        found.push(Issue::new(
+            format!("output.cuts[{i}].on"),
+            format!(
+                "beam \"{}\" passes the line of the cut \"{}\", whose force and moment are those of the shell alone",
+                beam.name, data.name
+            ),
+            format!("add the resultants of the beam, the columns `beam.{}…` of nodes in its `history`", beam.name),
+        ));
+    }
+    found
 }
 
 /// Warning of cuts at which nothing is connected to the elements.

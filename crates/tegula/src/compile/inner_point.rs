@@ -138,7 +138,8 @@ impl Corners {
         // The message of the search tells what is wrong where no quad contains the point.
         self.find(quads, at, (&reference, length))?;
         let found = quads.iter().filter_map(|quad| self.find(&[*quad], at, (&reference, length)).ok());
-        let gauges: Vec<StrainGauge> = found.filter_map(|found| found.gauge(&direction.normalize())).collect();
+        let gauges: Vec<StrainGauge> =
+            found.filter_map(|found| found.gauge(&direction.normalize())).collect();
         if gauges.is_empty() {
             return Err((
                 format!("the direction is along the director at the point {}", show(*at)),

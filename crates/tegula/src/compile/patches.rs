@@ -58,7 +58,7 @@ pub(super) fn attach(model: &Model, mesh: &Mesh, coordinates: &mut Coordinates, 
                             mesh.node_label(node),
                             beam.name
                         ),
-                        "give the beam a node beside each node of the set, by `points` or as many `elements` as the line has",
+                        "give the beam a node beside each node of the set, by `points` or as many `elements` as the line has; its axis runs along the line",
                     )),
                 };
                 if let Some(issue) = issue {
@@ -257,6 +257,9 @@ pub(super) fn carry_velocities(
             value.y,
             value.z
         ),
-        format!("give body \"{name}\" `velocity` and `angular_velocity` of the same motion"),
+        format!(
+            "give body \"{name}\" `velocity` and `angular_velocity` of the same motion (a node of a beam has those of the beam), or move all \
+             with `on = \"model\"`"
+        ),
     ))
 }

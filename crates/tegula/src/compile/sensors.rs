@@ -3,11 +3,11 @@
 use super::bodies::{names, not_with_itself};
 use super::body_inertia::direction;
 use super::place::{Place, end_at, ends, not_beside};
-use crate::{Issue, Vec3};
 use crate::checker::Checker;
 use crate::constraint::joints::{End, RelativeAngle};
 use crate::constraint::{Attachment, ConeVolume, Joint, Measure, Sensor};
 use crate::model::{self, Analysis, DistanceSensor, Model, PointSensor, StrainSensor, VolumeSensor};
+use crate::{Issue, Vec3};
 
 /// Mistakes in the values of sensors of a model with these joints, some of which may not act.
 pub(super) fn keys(model: &Model, joints: &[model::Joint], c: &mut Checker) {

@@ -7,9 +7,7 @@ use std::sync::Arc;
 use super::Vectors;
 use super::actions::Loaded;
 use crate::Vec3;
-use crate::load::{
-    ForceOnBody, ForceOnShell, MomentOnBody, MomentOnShell, NodalLoad, OwnLoad, SurfaceTriad,
-};
+use crate::load::{ForceOnBody, ForceOnShell, MomentOnBody, MomentOnShell, NodalLoad, OwnLoad, SurfaceTriad};
 use crate::model::loads::LoadedMesh as _;
 use crate::system::VectorKind;
 use crate::system::dof_map::DofMap;
@@ -53,16 +51,16 @@ impl<'a> TurningNodes<'a> {
             let [a, b, c] = directors;
             Arc::new(ForceOnBody { vectors: [position, a, b, c], components })
         };
-        let on_shell = |vectors, components| -> Arc<dyn NodalLoad> {
-            Arc::new(ForceOnShell { vectors, components })
-        };
+        let on_shell =
+            |vectors, components| -> Arc<dyn NodalLoad> { Arc::new(ForceOnShell { vectors, components }) };
         self.loads(node, force, on_body, on_shell)
     }
 
     /// Moments that turn with a node; none where nothing does.
     pub fn moment(&self, node: u32, moment: Vec3) -> Vec<OwnLoad> {
-        let on_body =
-            |directors, components| -> Arc<dyn NodalLoad> { Arc::new(MomentOnBody { directors, components }) };
+        let on_body = |directors, components| -> Arc<dyn NodalLoad> {
+            Arc::new(MomentOnBody { directors, components })
+        };
         let on_shell =
             |vectors, components| -> Arc<dyn NodalLoad> { Arc::new(MomentOnShell { vectors, components }) };
         self.loads(node, moment, on_body, on_shell)

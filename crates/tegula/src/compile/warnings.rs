@@ -39,6 +39,36 @@ pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     found
 }
 
+/// Beams one of whose cross-sections carries two corners of a shell element, which it makes rigid across the beam.
+fn wide_stiffeners(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
+    let carrier = |node: &u32| {
+        let position = system.coordinates.position_of.get(*node as usize).filter(|v| **v != u32::MAX)?;
+        Some(system.dofs().carried(*position as usize)?.triad)
+    };
+    let mut found = Vec::new();
+    for (i, beam) in model.beams.iter().enumerate().filter(|(_, beam)| !beam.attached.is_empty()) {
+        let Some(line) = system.beams.iter().find(|line| line.name == beam.name) else { continue };
+        let first =
+            system.coordinates.bodies[..line.bodies.start].iter().filter(|b| b.directors.is_some()).count();
+        let triads = first as u32..(first + line.bodies.len()) as u32;
+        let wide = mesh.quads.iter().position(|quad| {
+            let of_beam: Vec<u32> = quad.iter().filter_map(carrier).filter(|t| triads.contains(t)).collect();
+            of_beam.iter().enumerate().any(|(k, triad)| of_beam[..k].contains(triad))
+        });
+        let Some(quad) = wide else { continue };
+        found.push(Issue::new(
+            format!("beams[{i}].attached"),
+            format!(
+                "two corners of element {} are attached to one cross-section of beam \"{}\", and it makes the shell rigid there",
+                mesh.quad_label(quad),
+                beam.name
+            ),
+            "name a set with the nodes of one line of the mesh",
+        ));
+    }
+    found
+}
+
 /// A model whose distance from the origin takes the digits that the positions within it need.
 fn far_from_the_origin(system: &System) -> Option<Issue> {
     let coordinates = &system.coordinates;
@@ -124,6 +154,8 @@ fn independent_of_the_start(model: &Model, mesh: &Mesh, system: &System) -> Vec<
     let mut found = zero_loads(model);
     found.extend(zero_distributions(model, system));
     found.extend(super::cuts::idle(model, mesh, system));
+    found.extend(super::cuts::beside_beams(model, mesh, system));
+    found.extend(wide_stiffeners(model, mesh, system));
     found.extend(idle_switches(model));
     found.extend(super::guided_axes::wheels_beside_carriers(model));
     found.extend(seams(model, mesh));

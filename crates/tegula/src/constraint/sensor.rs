@@ -118,7 +118,11 @@ impl Sensor {
     pub fn angle(&self) -> Option<&RelativeAngle> {
         match &self.measure {
             Measure::Angle(angle) => Some(angle),
-            Measure::Distance(_) | Measure::Point(_) | Measure::Reaction(_) | Measure::Volume(_) | Measure::Strain(_) => None,
+            Measure::Distance(_)
+            | Measure::Point(_)
+            | Measure::Reaction(_)
+            | Measure::Volume(_)
+            | Measure::Strain(_) => None,
         }
     }
 }

@@ -172,8 +172,7 @@ impl SurfaceTriad {
         let across = |e: &Vec3| Mat3::identity() - e * e.transpose();
         let normal_d = across(&normal) / self.director_length;
         // The part of the edge across the director: δs = (I − e₃ e₃ᵀ) δt − (e₃ tᵀ + (t·e₃) I) δe₃.
-        let part_d =
-            -(normal * self.edge.transpose() + Mat3::identity() * self.edge.dot(&normal)) * normal_d;
+        let part_d = -(normal * self.edge.transpose() + Mat3::identity() * self.edge.dot(&normal)) * normal_d;
         let turned = across(&first) / self.across;
         let (first_t, first_d) = (turned * across(&normal), turned * part_d);
         let second_t = normal.cross_matrix() * first_t;

@@ -75,7 +75,9 @@ pub(crate) use scheme::schemes;
 pub use scheme::*;
 pub use second_side::SecondSide;
 pub use section::{Layup, LayupPly, Section, StackedPly};
-pub use sensor::{AngleSensor, DistanceSensor, PointSensor, ReactionSensor, Sensor, StrainSensor, VolumeSensor};
+pub use sensor::{
+    AngleSensor, DistanceSensor, PointSensor, ReactionSensor, Sensor, StrainSensor, VolumeSensor,
+};
 pub use spring::{SpringDamper, TorsionSpring};
 pub use supports::Condition;
 pub use surface::TriangulatedSurface;

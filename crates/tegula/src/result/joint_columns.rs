@@ -13,7 +13,8 @@ pub fn joint_drift(system: &System, state: &State, joint: &Joint) -> f64 {
     let gears = state.angles.get(system.number_of_angle_sensors()..).unwrap_or_default();
     let counted = system.counted_angles().zip(gears).find(|((gear, _), _)| gear.number == joint.number);
     let drive = counted.map_or_else(|| system.drive_value(joint, state.time), |(_, angle)| *angle);
-    let at = |v: &u32| Vec3::from(system.coordinates.reference[*v as usize]) + Vec3::from(state.u[*v as usize]);
+    let at =
+        |v: &u32| Vec3::from(system.coordinates.reference[*v as usize]) + Vec3::from(state.u[*v as usize]);
     let v: Vec<Vec3> = joint.vectors.iter().map(at).collect();
     joint.constraints().iter().map(|row| row.value(&v, drive).abs() / row.size).fold(0.0, crate::norm::larger)
 }

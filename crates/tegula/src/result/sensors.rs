@@ -64,7 +64,9 @@ pub fn sensor_values(system: &System, state: &State) -> Vec<f64> {
                 out.extend(moves.then_some(rate));
             }
             Measure::Strain(gauges) => {
-                let values = gauges.iter().map(|gauge| gauge.value_and_rate(system.linear, at, |v| vector(&state.v, v)));
+                let values = gauges
+                    .iter()
+                    .map(|gauge| gauge.value_and_rate(system.linear, at, |v| vector(&state.v, v)));
                 let sums = values.fold([0.0; 2], |sum, value| [sum[0] + value[0], sum[1] + value[1]]);
                 let [strain, rate] = sums.map(|sum| sum / gauges.len() as f64);
                 out.push(strain);

@@ -110,7 +110,11 @@ fn a_free_ribbed_strip_keeps_energy_and_momenta() {
     let mut notes = Notes::keeping();
     let (_, system) = compile(&m);
     dynamics::run(&system, &analysis, None, &mut notes).unwrap();
-    assert!(notes.kinetic > 1.0 && notes.drift() <= 1e-10 * notes.kinetic, "{}", notes.drift() / notes.kinetic);
+    assert!(
+        notes.kinetic > 1.0 && notes.drift() <= 1e-10 * notes.kinetic,
+        "{}",
+        notes.drift() / notes.kinetic
+    );
     let (linear, angular) = notes.momenta[0];
     for (p, l) in &notes.momenta {
         assert!((p - linear).norm() <= 1e-10 * linear.norm(), "{p}");
@@ -128,9 +132,62 @@ fn nodes_between_those_of_a_beam_and_unknown_sets_are_refused() {
         tegula::compile::build(&m, &mesh_of(&m)).map(|_| ()).unwrap_err().to_string()
     };
     let text = refused(&|beam| beam.elements = Some(15));
-    assert!(text.contains("beams[0].attached[0]") && text.contains("before or behind the nearest node"), "{text}");
+    assert!(
+        text.contains("beams[0].attached[0]") && text.contains("before or behind the nearest node"),
+        "{text}"
+    );
     let text = refused(&|beam| beam.attached = vec!["nowhere".into()]);
     assert!(text.contains("beams[0].attached[0]") && text.contains("nowhere"), "{text}");
     let text = refused(&|beam| beam.attached = vec!["u_min".into(), "line".into()]);
     assert!(text.contains("is attached to body \"rib.start\", with which it moves"), "{text}");
+}
+
+/// Elements two of whose corners belong to one cross-section would be rigid across the beam.
+#[test]
+fn stiffeners_on_more_than_a_line_and_cuts_beside_them_are_warned_of() {
+    let warned = |change: &dyn Fn(&mut Model)| {
+        let mut m = cantilever(20);
+        m.analysis = Analysis::Static(StaticAnalysis::default());
+        m.loads = vec![Load::Edge(vector_load("u_max", [0.0, 0.0, -10.0]))];
+        change(&mut m);
+        let (mesh, system) = compile(&m);
+        let found = tegula::compile::warnings(&m, &mesh, &system);
+        found.iter().map(|issue| format!("{}: {}", issue.place.key, issue.message)).collect::<Vec<_>>()
+    };
+    assert!(warned(&|_| ()).is_empty(), "{:?}", warned(&|_| ()));
+    let found = warned(&|m| {
+        let MeshSet::Box(line) = &mut m.sets[0] else { unreachable!() };
+        line.y = Some([0.05, 0.075]);
+    });
+    assert!(
+        found.len() == 1 && found[0].starts_with("beams[0].attached: two corners of element"),
+        "{found:?}"
+    );
+}
+
+/// A joint between a cross-section and the node that it carries has nothing to hold.
+#[test]
+fn joints_between_a_beam_and_its_own_node_are_refused() {
+    let mut m = cantilever(20);
+    m.analysis = Analysis::Static(StaticAnalysis::default());
+    m.loads = vec![Load::Edge(vector_load("u_max", [0.0, 0.0, -10.0]))];
+    m.sets.push(MeshSet::Box(BoxSet {
+        name: "node".into(),
+        x: Some([0.5, 0.5]),
+        y: Some([0.05, 0.05]),
+        z: None,
+        within: "all".into(),
+        tolerance: None,
+    }));
+    m.joints.push(Joint::Spherical(PointJoint {
+        name: "ball".into(),
+        between: ["rib.10".into(), "node".into()],
+        at: [0.5, 0.05, 0.0],
+        second_at: None,
+    }));
+    let refused = tegula::compile::build(&m, &mesh_of(&m)).map(|_| ()).unwrap_err().to_string();
+    assert!(
+        refused.contains("the joint \"ball\" is between body \"rib.10\" and a node that is attached to it"),
+        "{refused}"
+    );
 }

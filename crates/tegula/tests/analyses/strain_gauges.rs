@@ -91,7 +91,8 @@ fn gauges_under_bending_in_the_plane_have_no_parasitic_shear() {
     let small = 1e-6;
     for linear in [true, false] {
         for x in [0.51, 0.525, 0.55, 0.59] {
-            for (direction, share) in [([1.0, 0.0, 0.0], 1.0), ([1.0, 1.0, 0.0], 0.5), ([0.0, 1.0, 0.0], 0.0)] {
+            for (direction, share) in [([1.0, 0.0, 0.0], 1.0), ([1.0, 1.0, 0.0], 0.5), ([0.0, 1.0, 0.0], 0.0)]
+            {
                 let mut m = strip([10, 4], 0.0, linear);
                 m.materials.values_mut().for_each(|material| {
                     if let Material::Isotropic(i) = material {

@@ -139,7 +139,15 @@ fn a_body_with_thrusters_moves_along_a_spiral_with_every_scheme() {
         let angle = 0.5 * MOMENT / INERTIA * t * t;
         Vec3::new(angle.cos(), angle.sin(), 0.0) * (1.5 * (end - t))
     };
-    let weight = |i: i32| f64::from(if i == 0 || i == n { 1 } else if i % 2 == 1 { 4 } else { 2 });
+    let weight = |i: i32| {
+        f64::from(if i == 0 || i == n {
+            1
+        } else if i % 2 == 1 {
+            4
+        } else {
+            2
+        })
+    };
     let h = end / f64::from(n);
     let exact: Vec3 = (0..=n).map(|i| acceleration(f64::from(i) * h) * (weight(i) * h / 3.0)).sum();
     let schemes = [
@@ -161,7 +169,10 @@ fn a_body_with_thrusters_moves_along_a_spiral_with_every_scheme() {
 fn point_masses_refuse_loads_that_turn() {
     let mass = RigidBody::new("mass", [0.0; 3], 1.0, None);
     for (load, told) in [
-        (Load::FollowerForce(vector_load("mass", [1.0, 0.0, 0.0])), "which has no axes that a force could turn with"),
+        (
+            Load::FollowerForce(vector_load("mass", [1.0, 0.0, 0.0])),
+            "which has no axes that a force could turn with",
+        ),
         (Load::FollowerMoment(vector_load("mass", [1.0, 0.0, 0.0])), "on which a moment cannot act"),
     ] {
         let scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
@@ -197,10 +208,13 @@ fn deflections_of_becks_column(force: f64) -> Vec<f64> {
     m.analysis = Analysis::Transient(analysis.clone());
     let mut heights = Heights::default();
     let (mesh, system) = compile(&m);
-    heights.vector = system.coordinates.position_of[mesh.nodes_on("u_max_v_max").unwrap()[0] as usize] as usize;
+    heights.vector =
+        system.coordinates.position_of[mesh.nodes_on("u_max_v_max").unwrap()[0] as usize] as usize;
     dynamics::run(&system, &analysis, None, &mut heights).unwrap();
     let all = &heights.of_steps;
-    all.chunks(all.len().div_ceil(5)).map(|part| part.iter().copied().fold(0.0, tegula::norm::larger)).collect()
+    all.chunks(all.len().div_ceil(5))
+        .map(|part| part.iter().copied().fold(0.0, tegula::norm::larger))
+        .collect()
 }
 
 /// Records the height of a node at every step.
@@ -233,7 +247,8 @@ fn becks_column_flutters_above_its_critical_force() {
 fn follower_loads_on_shells_do_not_depend_on_the_numbering_of_the_mesh() {
     let source = plate([1.0, 1.0], [4, 4], 0.0);
     let mesh = tegula::mesh::generators::generate(&source).unwrap();
-    let middle = (0..).zip(&mesh.positions).find(|(_, x)| (*x - Vec3::new(0.5, 0.5, 0.0)).norm() < 1e-9).unwrap().0;
+    let middle =
+        (0..).zip(&mesh.positions).find(|(_, x)| (*x - Vec3::new(0.5, 0.5, 0.0)).norm() < 1e-9).unwrap().0;
     for load in [
         Load::FollowerMoment(vector_load("middle", [0.0, 0.0, 30.0])),
         Load::FollowerMoment(vector_load("u_max_v_max", [0.1, 0.2, 3.0])),
@@ -256,6 +271,9 @@ fn follower_loads_on_shells_do_not_depend_on_the_numbering_of_the_mesh() {
         }
         turned.quads.reverse();
         let other = of(turned);
-        assert!(first.norm() > 1e-6 && (first - other).norm() < 1e-8 * first.norm(), "{load:?}: {first} {other}");
+        assert!(
+            first.norm() > 1e-6 && (first - other).norm() < 1e-8 * first.norm(),
+            "{load:?}: {first} {other}"
+        );
     }
 }

@@ -65,8 +65,5 @@ analysis = { type = "transient", end_time = 1.0, scheme = { type = "generalized-
 [[steps]]
 analysis = { type = "transient", end_time = 1.0 }
 "#;
-    assert_eq!(
-        schemes(&[BODY, steps].concat()),
-        ["energy-momentum", "generalized-alpha", "energy-momentum"]
-    );
+    assert_eq!(schemes(&[BODY, steps].concat()), ["energy-momentum", "generalized-alpha", "energy-momentum"]);
 }
