@@ -78,6 +78,22 @@ fn a_torque_turns_the_end_of_the_tube_as_a_thin_closed_section() {
     assert!(last("balance.moment") < 1e-9);
 }
 
+/// Deflection and strain on the upper face of the cantilever with the T-section of strip and rib.
+#[test]
+fn the_ribbed_strip_bends_as_the_cantilever_with_a_t_section() {
+    let column = history_of("ribbed_strip.toml");
+    let last = |name: &str| *column(name).last().unwrap();
+    let (strip, rib, eccentricity) = (1e-3, 1.5e-4, -0.02);
+    let centre = eccentricity * rib / (strip + rib);
+    let own = 0.1 * 0.01_f64.powi(3) / 12.0 + 0.005 * 0.03_f64.powi(3) / 12.0;
+    let second: f64 = own + strip * centre * centre + rib * (eccentricity - centre) * (eccentricity - centre);
+    let bending = 2.1e11 * second;
+    let deflection = 100.0 / (3.0 * bending);
+    assert!((-last("end.uz") / deflection - 1.0).abs() < 3e-3, "{} {deflection}", last("end.uz"));
+    let strain = 100.0 * 0.75 * (0.005 - centre) / bending;
+    assert!((last("sensor.gauge.strain") / strain - 1.0).abs() < 1e-3, "{strain}");
+}
+
 /// Moment and shear force at the bottom of the tank after Timoshenko and Woinowsky-Krieger, over the chord of the sector.
 #[test]
 fn the_wall_of_the_water_tank_has_the_clamping_moment_of_the_book() {
