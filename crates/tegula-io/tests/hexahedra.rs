@@ -74,3 +74,22 @@ fn a_section_has_the_thickness_of_its_hexahedra() {
     assert!(issues.len() == 1 && text.contains("sections[0].thickness"), "{text}");
     assert!(text.contains("the section is 0.05 thick, but the mesh is 0.100000 thick at node"), "{text}");
 }
+
+/// Two hexahedra one of which has its lower edge where the other one has its upper edge: a node would be at the bottom and at the top.
+#[test]
+fn parts_whose_top_and_bottom_share_an_edge_are_refused_in_any_order() {
+    let nodes = "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 .1\n6 1 0 .1\n7 1 1 .1\n8 0 1 .1\n\
+                 9 2 0 .1\n10 2 1 .1\n11 1 0 .2\n12 2 0 .2\n13 2 1 .2\n14 1 1 .2";
+    let corners = ["1 2 3 4 5 6 7 8", "6 9 10 7 11 12 13 14"];
+    let folder = tempfile::tempdir().unwrap();
+    for [first, second] in [[0, 1], [1, 0]] {
+        let text = format!(
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n14\n{nodes}\n$EndNodes\n$Elements\n2\n1 5 2 1 1 {}\n2 5 2 1 1 {}\n$EndElements\n",
+            corners[first], corners[second]
+        );
+        let file = folder.path().join("parts.msh");
+        std::fs::write(&file, text).unwrap();
+        let refused = tegula_io::mesh::gmsh::read(&file, 1.0).err().unwrap().to_string();
+        assert!(refused.contains("do not lie side by side in one layer"), "{refused}");
+    }
+}

@@ -188,6 +188,7 @@ impl<'a> Layer<'a> {
         };
         let mut sides: Vec<Option<[Face; 2]>> = vec![None; count];
         let mut partner: HashMap<u64, u64> = HashMap::new();
+        let mut upper: HashSet<u64> = HashSet::new();
         // Where only one direction can be the thickness there is nothing to guess.
         let mut seeds: Vec<usize> = (0..count).collect();
         seeds.sort_by_key(|&s| (free[s].len() != 1, s));
@@ -203,7 +204,10 @@ impl<'a> Layer<'a> {
             while let Some(solid) = queue.pop_front() {
                 let Some([bottom, top]) = sides[solid] else { continue };
                 for (b, t) in bottom.into_iter().zip(top) {
-                    if partner.insert(b, t).is_some_and(|old| old != t) || partner.contains_key(&t) {
+                    let is_reused = partner.insert(b, t).is_some_and(|old| old != t);
+                    upper.insert(t);
+                    // A node is at the bottom or at the top, whichever of two parts that share an edge comes first.
+                    if is_reused || partner.contains_key(&t) || upper.contains(&b) {
                         return Err(self.disagreement(scanner, solid));
                     }
                 }
