@@ -10,7 +10,7 @@ use tegula::mesh::quality::quality;
 use tegula::model::{Analysis, BodyShape};
 use tegula::system::coordinates::Body;
 use tegula::{Mat3, Mesh, System};
-use tegula_io::deck::Deck;
+use tegula_io::deck::{Deck, Diagnostic};
 use tegula_io::job;
 use tegula_io::out::numbers::{grouped, significant};
 
@@ -106,14 +106,17 @@ pub fn print(deck: &Deck, as_json: bool) -> Result<(), Failure> {
     print_parts(mesh);
     print_folds(mesh, system, deck.model.mesh.fold_angle());
     say!("sets       {}", mesh.set_names().join(", "));
-    prepared.warnings.iter().for_each(warn);
-    let warnings: usize = prepared.warnings.iter().map(|w| w.hidden.max(1)).sum();
-    match warnings {
+    print_warnings(&prepared.warnings);
+    Ok(())
+}
+
+fn print_warnings(warnings: &[Diagnostic]) {
+    warnings.iter().for_each(warn);
+    match warnings.iter().map(|w| w.hidden.max(1)).sum() {
         0 => say!("no errors"),
         1 => say!("no errors, 1 warning"),
         n => say!("no errors, {n} warnings"),
     }
-    Ok(())
 }
 
 /// Bodies within surfaces, each with its inertia tensor about the mass centre along the axes of the body.

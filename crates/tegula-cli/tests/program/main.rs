@@ -13,6 +13,7 @@ mod machines;
 mod paths;
 mod renders;
 mod reports;
+mod structures;
 
 fn tegula(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tegula")).args(arguments).output().unwrap()

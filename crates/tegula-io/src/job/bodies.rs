@@ -2,13 +2,12 @@
 
 use tegula::System;
 use tegula::analysis::State;
-use tegula::load::LoadParameter;
 use tegula::result::beams::beam_resultants;
 use tegula::result::bodies::{
-    BodyMotion, bushing_responses, coordinate_response, joint_reaction, reference_axes,
-    spring_lengths_and_forces, torsion_angles_and_moments,
+    BodyMotion, bushing_responses, coordinate_response, reference_axes, spring_lengths_and_forces,
+    torsion_angles_and_moments,
 };
-use tegula::result::{joint_drift, joint_power};
+use tegula::result::{JointResponse, joint_drift};
 use tegula::system::BeamLine;
 use tegula::system::coordinates::Body;
 
@@ -53,11 +52,6 @@ pub(super) fn shown(system: &System) -> impl Iterator<Item = &Body> {
     system.coordinates.bodies.iter().enumerate().filter(wanted).map(|(_, body)| body)
 }
 
-/// Whether states of the analysis have velocities.
-fn moves(system: &System) -> bool {
-    system.parameter() == LoadParameter::Time
-}
-
 /// Nodes of a beam with columns.
 fn nodes(beam: &BeamLine) -> impl Iterator<Item = usize> {
     (0..beam.bodies.len()).filter(|node| beam.history.contains(&(*node as u32)))
@@ -71,7 +65,7 @@ pub(super) fn names(system: &System) -> Vec<String> {
         out.extend(columns.iter().map(|column| format!("body.{}.{column}", body.name)));
     }
     for joint in system.joints.iter() {
-        let of_joint = OF_JOINT.into_iter().chain([DRIFT]).chain(moves(system).then_some(POWER));
+        let of_joint = OF_JOINT.into_iter().chain([DRIFT]).chain(system.moves().then_some(POWER));
         out.extend(of_joint.map(|column| format!("joint.{}.{column}", joint.name)));
         if let Some((_, law)) = joint.law_row() {
             out.push(format!("joint.{}.{}", joint.name, if law.is_angle { ANGLE } else { DISPLACEMENT }));
@@ -112,10 +106,10 @@ pub(super) fn row(system: &System, state: &State) -> Vec<f64> {
         out.extend([&motion.velocity, &motion.angular_velocity, &spin].into_iter().flat_map(|v| v.iter()));
     }
     for joint in system.joints.iter() {
-        let (force, moment) = joint_reaction(system, state, joint);
-        out.extend(force.iter().chain(moment.iter()));
+        let found = JointResponse::new(system, state, joint);
+        out.extend(found.force.iter().chain(found.moment.iter()));
         out.push(joint_drift(system, state, joint));
-        out.extend(moves(system).then(|| joint_power(system, state, joint)));
+        out.extend(system.moves().then_some(found.power));
         if let Some(found) = coordinate_response(system, state, joint) {
             let value = if found.is_angle { found.value.to_degrees() } else { found.value };
             out.extend([value, found.friction, found.stop, f64::from(u8::from(found.is_held))]);

@@ -272,22 +272,42 @@ pub(super) fn with_nodes(model: &Model) -> Model {
     out
 }
 
-/// Number of the body that is the node of a beam beside a place of the reference configuration.
-///
-/// # Errors
-/// The place lies before or behind the nearest node, by this distance along the axis.
-pub(super) fn nearest_node(data: &Beam, place: &Vec3, coordinates: &Coordinates) -> Result<usize, f64> {
-    let axis = Axis::of(data);
-    let start = node_name(&data.name, 0, usize::MAX);
-    let first = coordinates.bodies.iter().position(|body| body.name == start).unwrap_or_default();
-    let nearest = (0..axis.points.len()).min_by(|&i, &j| {
-        let distance = |i: usize| (axis.points[i] - place).norm();
-        distance(i).total_cmp(&distance(j))
-    });
-    let nearest = nearest.unwrap_or_default();
-    let along = (axis.points[nearest] - place).dot(&axis.tangents()[nearest]).abs();
-    let length = axis.points.windows(2).map(|x| (x[1] - x[0]).norm()).fold(f64::INFINITY, f64::min);
-    if along <= BESIDE * length { Ok(first + nearest) } else { Err(along) }
+/// Nodes of a beam with the bodies that they are.
+pub(super) struct Nodes {
+    points: Vec<Vec3>,
+    tangents: Vec<Vec3>,
+    /// Shortest element (length).
+    shortest: f64,
+    /// Number of the first node among the bodies.
+    first: usize,
+}
+
+impl Nodes {
+    /// Nodes of a beam in the reference configuration.
+    pub fn of(data: &Beam, coordinates: &Coordinates) -> Self {
+        let axis = Axis::of(data);
+        let start = node_name(&data.name, 0, usize::MAX);
+        let first = coordinates.bodies.iter().position(|body| body.name == start).unwrap_or_default();
+        let lengths = axis.points.windows(2).map(|x| (x[1] - x[0]).norm());
+        Self {
+            shortest: lengths.fold(f64::INFINITY, f64::min),
+            tangents: axis.tangents(),
+            points: axis.points,
+            first,
+        }
+    }
+
+    /// Number of the body that is the node beside a place.
+    ///
+    /// # Errors
+    /// The place lies before or behind the nearest node, by this distance along the axis.
+    pub fn beside(&self, place: &Vec3) -> Result<usize, f64> {
+        let distance = |i: &usize| (self.points[*i] - place).norm();
+        let nearest = (0..self.points.len()).min_by(|i, j| distance(i).total_cmp(&distance(j)));
+        let nearest = nearest.unwrap_or_default();
+        let along = (self.points[nearest] - place).dot(&self.tangents[nearest]).abs();
+        if along <= BESIDE * self.shortest { Ok(self.first + nearest) } else { Err(along) }
+    }
 }
 
 fn section(data: &Beam, model: &Model) -> Option<SectionConstants> {

@@ -40,12 +40,13 @@ pub(super) fn attach(model: &Model, mesh: &Mesh, coordinates: &mut Coordinates, 
             issues.extend(other.map(|other| on_two_bodies(&key, other, model, mesh)));
         }
     }
-    for (i, beam) in model.beams.iter().enumerate() {
+    for (i, beam) in model.beams.iter().enumerate().filter(|(_, beam)| !beam.attached.is_empty()) {
+        let nodes_of_beam = super::beams::Nodes::of(beam, coordinates);
         for (k, set) in beam.attached.iter().enumerate() {
             let key = format!("beams[{i}].attached[{k}]");
             for node in shell_nodes((&key, set), mesh, coordinates, issues) {
                 let place = mesh.positions[node as usize];
-                let found = super::beams::nearest_node(beam, &place, coordinates);
+                let found = nodes_of_beam.beside(&place);
                 let issue = match found {
                     Ok(body) => {
                         let other = take((node, body), &mut body_of);

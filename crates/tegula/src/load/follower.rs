@@ -128,14 +128,7 @@ impl FollowerLoad {
                 out[1] = couple.into();
                 out[2] = director.into();
             }
-            Self::BodyMoment { moment, .. } => {
-                let product: Mat3 = x.iter().map(|d| d * d.transpose()).sum();
-                let arms = Mat3::identity() * product.trace() - product;
-                let w = arms.try_inverse().map_or_else(|| moment * 0.5, |inverse| inverse * moment);
-                for (f, d) in out.iter_mut().zip(x) {
-                    *f = w.cross(d).into();
-                }
-            }
+            Self::BodyMoment { moment, .. } => turn_directors(moment, x, out),
             Self::Own { load, .. } => load.0.forces(x, out),
         }
     }
@@ -199,6 +192,16 @@ impl FollowerLoad {
             }
             _ => 0.0,
         }
+    }
+}
+
+/// Forces `f_i = w × d_i` of a moment m on the directors of a body, `(tr(D Dᵀ) I − D Dᵀ) w = m`.
+pub(super) fn turn_directors(moment: &Vec3, x: &[Vec3], out: &mut [Nodal]) {
+    let product: Mat3 = x.iter().map(|d| d * d.transpose()).sum();
+    let arms = Mat3::identity() * product.trace() - product;
+    let w = arms.try_inverse().map_or_else(|| moment * 0.5, |inverse| inverse * moment);
+    for (f, d) in out.iter_mut().zip(x) {
+        *f = w.cross(d).into();
     }
 }
 

@@ -4,6 +4,7 @@
 //! their load stiffness is exact.
 
 use super::edge_couple::{EdgeForces, edge_derivative, edge_forces};
+use super::follower::turn_directors;
 use crate::model::{LoadStiffness, NodalLoad};
 use crate::{Mat3, Vec3};
 
@@ -35,8 +36,8 @@ impl NodalLoad for ForceOnBody {
     }
 }
 
-/// Moment on a rigid body or on a node of a beam, constant in the axes of the body, `m = Σ c_i d_i`: `f_i = w × d_i` on the directors, whose
-/// moment `Σ d_i × f_i` is m with `(tr(D Dᵀ) I − D Dᵀ) w = m`, also for directors D in the middle of a step, which are no rotation.
+/// Moment on a rigid body or on a node of a beam, constant in the axes of the body, `m = Σ c_i d_i`, with the forces on the directors of a
+/// [moment on a body](super::FollowerLoad::BodyMoment) that is constant in space.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MomentOnBody {
     /// Nodal vectors of the directors.
@@ -51,13 +52,7 @@ impl NodalLoad for MomentOnBody {
     }
 
     fn forces(&self, x: &[Vec3], out: &mut [[f64; 3]]) {
-        let moment = along(&self.components, [x[0], x[1], x[2]]);
-        let product: Mat3 = x.iter().map(|d| d * d.transpose()).sum();
-        let arms = Mat3::identity() * product.trace() - product;
-        let w = arms.try_inverse().map_or_else(|| moment * 0.5, |inverse| inverse * moment);
-        for (f, d) in out.iter_mut().zip(x) {
-            *f = w.cross(d).into();
-        }
+        turn_directors(&along(&self.components, [x[0], x[1], x[2]]), x, out);
     }
 
     /// Derivative along rotations, which change neither `D Dᵀ` nor the components of w: `w = ½ m`.

@@ -7,8 +7,8 @@ use crate::analysis::dynamics::triads::project_director_velocities;
 use crate::constraint::coordinate_law::parts;
 use crate::constraint::{BushingResponse, Joint, TorsionSpring};
 use crate::element::Nodal;
+use crate::system::System;
 use crate::system::coordinates::Body;
-use crate::system::{System, VectorKind};
 use crate::{Mat3, Vec3};
 
 /// Motion of a rigid body or a point mass.
@@ -58,55 +58,6 @@ impl BodyMotion {
 pub fn reference_axes(system: &System, body: &Body) -> Mat3 {
     let at = |v: u32| Vec3::from(system.coordinates.reference[v as usize]);
     body.directors.map_or_else(Mat3::identity, |d| Mat3::from_columns(&d.map(at)))
-}
-
-/// Force and moment of the first end of a joint (of gears: and the carrier) on the second one, at the point of the joint, along the axes of
-/// space; for the
-/// energy–momentum scheme of second order the means over the last step, in the configuration in its middle.
-pub fn joint_reaction(system: &System, state: &State, joint: &Joint) -> (Vec3, Vec3) {
-    let (v, forces) = joint_forces(system, state, joint);
-    let u = configuration(state).0;
-    let point = joint.place(|n| current(system, u, n));
-    // The joint acts with −Gᵀλ; what acts on the first end acts with opposite sign on the second one.
-    // The carrier of gears, which may be the ground, takes a part: their wheels do not act with opposite moments on each other.
-    let from_second = joint.counted.is_some() && joint.of_first.contains(&false);
-    let from_first = joint.of_first.contains(&true) && !from_second;
-    let sign = if from_first { 1.0 } else { -1.0 };
-    let (mut force, mut moment) = (Vec3::zeros(), Vec3::zeros());
-    for (i, f) in forces.iter().enumerate().filter(|(i, _)| joint.of_first[*i] == from_first) {
-        let arm = match system.coordinates.kinds[joint.vectors[i] as usize] {
-            VectorKind::Position => {
-                force += f * sign;
-                v[i] - point
-            }
-            VectorKind::Director | VectorKind::Gradient => v[i],
-        };
-        moment += arm.cross(f) * sign;
-    }
-    (force, moment)
-}
-
-/// Displacements and time at which the constraint forces of a state act: in the middle of the last step for the energy–momentum scheme of
-/// second order.
-fn configuration(state: &State) -> (&[Nodal], f64) {
-    match state.middle.is_empty() {
-        true => (&state.u, state.time),
-        false => (&state.middle, state.time - 0.5 * state.last_step),
-    }
-}
-
-/// Nodal vectors of a joint where its forces act, and `Gᵀλ` on them.
-pub(super) fn joint_forces(system: &System, state: &State, joint: &Joint) -> (Vec<Vec3>, Vec<Vec3>) {
-    let (u, time) = configuration(state);
-    let v: Vec<Vec3> = joint.vectors.iter().map(|&v| current(system, u, v)).collect();
-    let mut forces = vec![Vec3::zeros(); v.len()];
-    let drive = system.drive_value(joint, time);
-    for (row, number) in joint.rows.iter().zip(joint.multipliers()) {
-        let multiplier = state.multipliers.get(number).copied().unwrap_or(f64::NAN);
-        let half = |i: usize| current(system, &state.u, joint.vectors[i]) - v[i];
-        row.add_acting_gradient(multiplier, (&v, half), drive, &mut forces);
-    }
-    (v, forces)
 }
 
 /// Relative coordinate of a joint with friction or stops, and the forces of these (torques of a revolute joint).
@@ -174,6 +125,6 @@ fn rigid_rates(system: &System, state: &State) -> Vec<Nodal> {
     rates
 }
 
-fn current(system: &System, u: &[Nodal], v: u32) -> Vec3 {
+pub(super) fn current(system: &System, u: &[Nodal], v: u32) -> Vec3 {
     Vec3::from(system.coordinates.reference[v as usize]) + Vec3::from(u[v as usize])
 }

@@ -1,17 +1,16 @@
 //! Values of sensors in a state.
 
-use super::bodies::joint_reaction;
+use super::joints::joint_reaction;
 use crate::Vec3;
 use crate::analysis::State;
 use crate::constraint::joints::RelativeAngle;
 use crate::constraint::{Attachment, Measure};
 use crate::element::Nodal;
-use crate::load::LoadParameter;
 use crate::system::System;
 
 /// Columns of all sensors: `sensor.NAME.…`. Rates, velocities and accelerations are those of transient analyses.
 pub fn sensor_columns(system: &System) -> Vec<String> {
-    let moves = moves(system);
+    let moves = system.moves();
     let mut out = Vec::new();
     for sensor in system.sensors.iter() {
         let (columns, rates): (&[&str], &[&str]) = match &sensor.measure {
@@ -31,7 +30,7 @@ pub fn sensor_columns(system: &System) -> Vec<String> {
 /// Values of all sensors in a state, in the order of [`sensor_columns`]: lengths, angles in degrees, and their rates; accelerations
 /// are those of the state, for the energy–momentum scheme of second order the means over the last step.
 pub fn sensor_values(system: &System, state: &State) -> Vec<f64> {
-    let moves = moves(system);
+    let moves = system.moves();
     let mut out = Vec::new();
     let mut angles = state.angles.iter();
     let at = |v: u32| Vec3::from(system.coordinates.reference[v as usize]) + vector(&state.u, v);
@@ -75,11 +74,6 @@ pub fn sensor_values(system: &System, state: &State) -> Vec<f64> {
         }
     }
     out
-}
-
-/// Whether states of the analysis have velocities.
-fn moves(system: &System) -> bool {
-    system.parameter() == LoadParameter::Time
 }
 
 fn vector(field: &[Nodal], v: u32) -> Vec3 {

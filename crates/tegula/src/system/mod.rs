@@ -348,6 +348,11 @@ impl System {
         joint.drive.map_or(0.0, |drive| drive.value_at(&self.amplitudes, self.time_of_drives(time)))
     }
 
+    /// Whether states of the analysis have velocities.
+    pub fn moves(&self) -> bool {
+        self.parameter() == LoadParameter::Time
+    }
+
     /// Time (load factor) of drives and actuators: a static step that begins at load factor −1 has them at rest until 0; on a path the load
     /// factor may be negative.
     pub fn time_of_drives(&self, time: f64) -> f64 {

@@ -85,13 +85,13 @@ fn a_ribbed_strip_bends_as_a_beam_with_the_t_section() {
     let outcome = statics::run(&system, &StaticAnalysis::default(), None, &mut Silent).unwrap();
     let deflection = displacement(&mesh, &system, &outcome.state.u, "u_max_v_max").z;
     let exact = -1.0 / (3.0 * bending);
-    assert!((deflection / exact - 1.0).abs() < 5e-3, "{deflection:e} {exact:e}");
+    assert!((deflection / exact - 1.0).abs() < 3e-3, "{deflection:e} {exact:e}");
 
     let m = Model { analysis: Analysis::Modal(ModalAnalysis::new(1)), loads: Vec::new(), ..m };
     let (_, system) = compile(&m);
     let frequency = modal::run(&system, 1, None, &mut Silent).unwrap().modes[0].frequency_hz;
     let exact = 1.875_104_f64.powi(2) / (2.0 * PI) * (bending / mass).sqrt();
-    assert!((frequency / exact - 1.0).abs() < 5e-3, "{frequency} {exact}");
+    assert!((frequency / exact - 1.0).abs() < 3e-3, "{frequency} {exact}");
 }
 
 #[test]
@@ -110,16 +110,7 @@ fn a_free_ribbed_strip_keeps_energy_and_momenta() {
     let mut notes = Notes::keeping();
     let (_, system) = compile(&m);
     dynamics::run(&system, &analysis, None, &mut notes).unwrap();
-    assert!(
-        notes.kinetic > 1.0 && notes.drift() <= 1e-10 * notes.kinetic,
-        "{}",
-        notes.drift() / notes.kinetic
-    );
-    let (linear, angular) = notes.momenta[0];
-    for (p, l) in &notes.momenta {
-        assert!((p - linear).norm() <= 1e-10 * linear.norm(), "{p}");
-        assert!((l - angular).norm() <= 1e-10 * angular.norm(), "{l}");
-    }
+    notes.assert_conserved(1e-10);
 }
 
 #[test]

@@ -373,6 +373,18 @@ impl Notes {
         Self { keep: true, ..Self::default() }
     }
 
+    /// Asserts that the total energy keeps its first value, up to 1e-10 of the largest kinetic energy, and linear and angular momentum theirs up to
+    /// a share.
+    pub fn assert_conserved(&self, share: f64) {
+        let drift = self.drift();
+        assert!(self.kinetic > 1.0 && drift <= 1e-10 * self.kinetic, "energy: {}", drift / self.kinetic);
+        let (linear, angular) = self.momenta[0];
+        for (p, l) in &self.momenta {
+            assert!((p - linear).norm() <= share * linear.norm(), "linear momentum: {p}");
+            assert!((l - angular).norm() <= share * angular.norm(), "angular momentum: {l}");
+        }
+    }
+
     /// Largest difference of the total energy from its first value.
     pub fn drift(&self) -> f64 {
         let first = self.totals.first().map_or(0.0, |t| t.1);

@@ -203,13 +203,8 @@ impl<'a> Layer<'a> {
             let mut queue = VecDeque::from([seed]);
             while let Some(solid) = queue.pop_front() {
                 let Some([bottom, top]) = sides[solid] else { continue };
-                for (b, t) in bottom.into_iter().zip(top) {
-                    let is_reused = partner.insert(b, t).is_some_and(|old| old != t);
-                    upper.insert(t);
-                    // A node is at the bottom or at the top, whichever of two parts that share an edge comes first.
-                    if is_reused || partner.contains_key(&t) || upper.contains(&b) {
-                        return Err(self.disagreement(scanner, solid));
-                    }
+                if !is_one_layer([bottom, top], &mut partner, &mut upper) {
+                    return Err(self.disagreement(scanner, solid));
                 }
                 for k in 0..4 {
                     let next = (k + 1) % 4;
@@ -356,6 +351,16 @@ fn not_a_face(scanner: &Scanner<'_>, element: &RawElement) -> MeshError {
         "a file holds either quadrilaterals or hexahedra: mesh the whole middle surface with quadrilaterals, and give `element = \
          \"solid-shell\"` to the sections where you want it",
     )
+}
+
+/// Whether each node of both sides is at the bottom or at the top of all hexahedra so far, with one partner, whichever of two parts that share
+/// an edge comes first.
+fn is_one_layer([bottom, top]: [Face; 2], partner: &mut HashMap<u64, u64>, upper: &mut HashSet<u64>) -> bool {
+    bottom.into_iter().zip(top).all(|(b, t)| {
+        let is_reused = partner.insert(b, t).is_some_and(|old| old != t);
+        upper.insert(t);
+        !is_reused && !partner.contains_key(&t) && !upper.contains(&b)
+    })
 }
 
 /// Bottom and top of a hexahedron of which an edge runs through the thickness, from bottom to top.
