@@ -8,7 +8,7 @@ use crate::multibody::{between, body, machine, pose, revolute, run};
 use tegula::Vec3;
 use tegula::analysis::statics;
 use tegula::model::*;
-use tegula::norm::max_norm;
+use tegula::norm::{larger, max_norm};
 use tegula::result::{BodyMotion, joint_reaction};
 
 const BDF2: Scheme = Scheme::Bdf2(Bdf2Scheme {});
@@ -210,6 +210,58 @@ fn a_jump_of_the_velocity_starts_the_formula_anew() {
         assert!(!still || moment.norm() < 1e-8, "{}: {moment}", state.time);
         let (place, _) = pose(&system, state, 0);
         assert!((place.norm() - 0.5).abs() < 1e-12);
+    }
+}
+
+/// An arm on a hinge, of 2 kg 0.5 m from it, which a drive turns at this rate [rad/s] from the start on.
+fn driven_arm(rate: f64) -> Model {
+    let arm = RigidBody {
+        angular_velocity: [0.0, 0.0, rate],
+        velocity: [0.0, 0.5 * rate, 0.0],
+        ..body("arm", [0.5, 0.0, 0.0], 2.0, Some([0.1; 3]))
+    };
+    let drive = Joint::DrivenAngle(DrivenAngleJoint {
+        name: "drive".into(),
+        between: between("ground", "arm"),
+        axis: [0.0, 0.0, 1.0],
+        angle: rate.to_degrees(),
+        amplitude: "turn".into(),
+    });
+    let joints = vec![revolute("hinge", "ground", "arm", [0.0; 3], [0.0, 0.0, 1.0]), drive];
+    let mut model = machine(1.0, 0.05, vec![arm], joints);
+    let (times, values) = (vec![0.0, 100.0], vec![0.0, 100.0]);
+    model.amplitudes.insert("turn".into(), Amplitude::Table(TableAmplitude { times, values }));
+    model
+}
+
+/// The centripetal force m r ω² from the first step on: its error falls with the step. The drive of a motion that is steady does no work.
+#[test]
+fn reactions_from_the_start_in_motion_on_are_those_of_the_motion() {
+    let errors = [0.01, 0.005, 0.0025].map(|angle| {
+        let mut notes = Notes::keeping();
+        let (system, state) = run(&stepped(&driven_arm(10.0), 0.05, angle / 10.0), &mut notes);
+        let off = |state: &_| {
+            let (force, moment) = joint_reaction(&system, state, &system.joints[0]);
+            let (_, drive) = joint_reaction(&system, state, &system.joints[1]);
+            let expected = 2.0 * 0.5 * 100.0;
+            larger((force.norm() - expected).abs(), larger(moment.norm(), drive.norm())) / expected
+        };
+        assert!(state.work.abs() < 1e-3 * 30.0, "{}", state.work);
+        notes.states.iter().map(off).fold(0.0, larger)
+    });
+    println!("{errors:?}");
+    assert!(errors[0] < 0.02, "{errors:?}");
+    assert!(errors.windows(2).all(|pair| pair[0] / pair[1] > 1.9), "{errors:?}");
+}
+
+/// Steps of a twentieth of a radian are taken in silence, steps of a seventh with a message.
+#[test]
+fn steps_too_long_for_a_drive_are_told() {
+    for (angle, told) in [(0.05, false), (0.15, true)] {
+        let mut notes = Notes::default();
+        run(&stepped(&driven_arm(1.0), 40.0 * angle, angle), &mut notes);
+        let found = notes.events.iter().any(|event| event.contains("miss the rate of the drive \"drive\""));
+        assert_eq!(found, told, "{angle}: {:?}", notes.events);
     }
 }
 

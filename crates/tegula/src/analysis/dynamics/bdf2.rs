@@ -12,7 +12,10 @@
 //! F₁ by terms of second order, and a free mass keeps the impulse of the loads exactly, `M A₁ = F̄₁`, however the lengths of the steps change: with F₁
 //! a short pulse between long steps would leave a third too much.
 //!
-//! The first step, and one that is much longer than the step before, is a backward Euler step (c = 1, w = 0). Motions that the step does not
+//! **Start.** A step that is much longer than the step before, and the first one, is a backward Euler step (c = 1, w = 0). With joints the
+//! accelerations of such a step are of order zero: of a steady rotation it has half of the centripetal one. The first step of a motion with
+//! constraints therefore continues from an imagined step of the same length before it, with the rates that the accelerations a of the start
+//! give, `V₀ = v₀ − ½ Δt a`, `A₀ = a`, and with the loads at the start; so does one behind a jump of the velocity. Motions that the step does not
 //! resolve vanish (L-stability); with automatic steps of any length a structure settles in its equilibrium. For
 //! constraints K. E. Brenan, S. L. Campbell, L. R. Petzold, *Numerical solution of initial-value problems in differential-algebraic
 //! equations* (1996), Sect. 3.2; variable steps E. Hairer, S. P. Nørsett, G. Wanner, *Solving ordinary differential equations I* (1993),
@@ -44,7 +47,8 @@ pub struct Bdf2 {
     /// Velocities at the start of the step, and those at its end on the constraints.
     velocities: Vec<Nodal>,
     projected: Vec<Nodal>,
-    /// Mean loads of the step before.
+    /// Mean rates and mean loads of the step before.
+    rates_before: [Vec<Nodal>; 2],
     loads_before: Vec<Nodal>,
     /// Local error of the nodal vectors, and scratch space.
     error: Vec<Nodal>,
@@ -63,6 +67,7 @@ impl Bdf2 {
             ratio: None,
             velocities: zero.clone(),
             projected: zero.clone(),
+            rates_before: [zero.clone(), zero.clone()],
             loads_before: zero.clone(),
             error: zero.clone(),
             scratch: zero,
@@ -72,16 +77,13 @@ impl Bdf2 {
 
     /// Velocities and accelerations that belong to the displacements.
     fn rates(&mut self, system: &System, state: &State) {
-        let Self { newmark, weights: [c, w], velocities, .. } = self;
-        let [mean_v, mean_a] = &state.mean_rates;
-        let before = |of: &[Nodal], n: usize| of.get(n).copied().unwrap_or_default();
+        let Self { newmark, weights: [c, w], velocities, rates_before: [mean_v, mean_a], .. } = self;
         for n in 0..velocities.len() {
-            let (v_before, a_before) = (before(mean_v, n), before(mean_a, n));
             for i in 0..3 {
                 let moved = newmark.u[n][i] - state.u[n][i];
-                let v = *c * (moved / newmark.dt) - *w * v_before[i];
+                let v = *c * (moved / newmark.dt) - *w * mean_v[n][i];
                 newmark.v[n][i] = v;
-                newmark.a[n][i] = *c * ((v - velocities[n][i]) / newmark.dt) - *w * a_before[i];
+                newmark.a[n][i] = *c * ((v - velocities[n][i]) / newmark.dt) - *w * mean_a[n][i];
             }
         }
         // Prescribed motions are known exactly, with their rates.
@@ -101,7 +103,7 @@ impl Equation for Bdf2 {
 
     fn external_minus_inertia(&self, system: &System, out: &mut [Nodal]) {
         let [c, w] = self.weights;
-        let before = |n: usize| self.loads_before.get(n).map_or([0.0; 3], |load| load.map(|x| w * x));
+        let before = |n: usize| self.loads_before[n].map(|x| w * x);
         self.newmark.weighted_external_minus_inertia(system, (c, before), out);
     }
 
@@ -114,14 +116,30 @@ impl Integrator for Bdf2 {
     fn begin(&mut self, system: &System, _assembly: &mut Assembly, state: &State, span: Span) {
         let ratio = span.dt / state.last_step;
         let continues = !state.mean_rates[0].is_empty() && !state.mean_loads.is_empty();
-        self.ratio = (continues && ratio <= LARGEST_RATIO).then_some(ratio);
+        let starts = !continues && system.constraints() > 0;
+        self.ratio = match continues && ratio <= LARGEST_RATIO {
+            true => Some(ratio),
+            false => starts.then_some(1.0),
+        };
         self.weights = self.ratio.map_or([1.0, 0.0], |w| [(1.0 + 2.0 * w) / (1.0 + w), w / (1.0 + w)]);
         let c = self.weights[0];
         (self.newmark.beta, self.newmark.gamma) = (1.0 / (c * c), 1.0 / c);
         self.newmark.a_old.copy_from_slice(&state.a);
         self.velocities.copy_from_slice(state.velocities_of_scheme());
-        self.loads_before.clone_from(&state.mean_loads);
+        if continues {
+            let before = self.rates_before.iter_mut().zip(&state.mean_rates);
+            before.for_each(|(to, from)| to.copy_from_slice(from));
+            self.loads_before.copy_from_slice(&state.mean_loads);
+        }
         self.newmark.start(system, state, span);
+        if starts {
+            let [mean_v, mean_a] = &mut self.rates_before;
+            mean_a.copy_from_slice(&state.a);
+            for (mean, (v, a)) in mean_v.iter_mut().zip(state.v.iter().zip(&state.a)) {
+                *mean = std::array::from_fn(|i| v[i] - 0.5 * span.dt * a[i]);
+            }
+            self.loads_before.copy_from_slice(self.newmark.loads_at_start());
+        }
         self.rates(system, state);
     }
 

@@ -8,8 +8,8 @@
 //! Strain-rate damping changes its forces with the velocities at once, and accelerations follow: `M_ff Δa_f = −Δf`.
 
 use super::{constrained_start, project_rates};
-use crate::analysis::State;
 use crate::analysis::newton::Newton;
+use crate::analysis::{State, equilibrium};
 use crate::element::{Motion, Nodal};
 use crate::error::{Error, Result};
 use crate::system::{EvaluationPoint, System};
@@ -52,6 +52,14 @@ fn change_accelerations(system: &System, newton: &mut Newton, old: &[Nodal], sta
     }
     add_free_response(system, newton, &change, &mut state.a);
     project_rates(system, &state.u, &mut state.v, &mut state.a);
+}
+
+/// Accelerations and multipliers of a model with constraints that satisfy the equations of motion behind a kink, with the factor of the
+/// mass matrix that [`pass_kink`] has left.
+pub(super) fn accelerate_anew(system: &System, newton: &mut Newton, state: &mut State) {
+    system.prescribe_acceleration(state.time, &mut state.a);
+    let rest = equilibrium::unbalanced(system, &mut newton.assembly, state);
+    constrained_start::add_response(system, newton, &rest, state);
 }
 
 /// Adds the response of the mass matrix, with its factor, to forces on free degrees of freedom.

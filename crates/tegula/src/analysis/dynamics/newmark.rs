@@ -253,6 +253,11 @@ impl Newmark {
         system.pattern.add_mass_product(-system.mass_damping, &self.v, out);
     }
 
+    /// Loads at the start of the step.
+    pub(super) fn loads_at_start(&self) -> &[Nodal] {
+        &self.loads_old
+    }
+
     /// Mean of the loads at both ends of the step.
     pub(super) fn mean_loads(&self, system: &System, out: &mut [Nodal]) {
         out.fill([0.0; 3]);

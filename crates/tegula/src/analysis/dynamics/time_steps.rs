@@ -328,9 +328,10 @@ impl<'a> TimeSteps<'a> {
             let mean = self.options.scheme.instant() == Instant::Middle;
             state.work += impact::pass_kink(system, newton, mean, state)?;
             if !state.mean_rates[0].is_empty() {
-                // The formula starts anew, from the velocities behind the jump.
+                // The formula starts anew, from the velocities behind the jump and the accelerations that belong to them.
                 state.mean_rates.iter_mut().for_each(Vec::clear);
                 state.scheme_v.clear();
+                impact::accelerate_anew(system, newton, state);
             }
         }
         state.step += 1;
