@@ -254,6 +254,26 @@ fn reactions_from_the_start_in_motion_on_are_those_of_the_motion() {
     assert!(errors.windows(2).all(|pair| pair[0] / pair[1] > 1.9), "{errors:?}");
 }
 
+/// Behind a jump of the rate, too, the first steps have the centripetal force, up to an error that falls with the step.
+#[test]
+fn reactions_behind_a_jump_of_the_rate_are_those_of_the_motion() {
+    let errors = [0.02, 0.01, 0.005].map(|angle| {
+        let mut model = driven_arm(1.0);
+        model.bodies[0].velocity = [0.0; 3];
+        model.bodies[0].angular_velocity = [0.0; 3];
+        let (times, values) = (vec![0.0, 0.1, 100.1], vec![0.0, 0.0, 100.0]);
+        model.amplitudes.insert("turn".into(), Amplitude::Table(TableAmplitude { times, values }));
+        let mut notes = Notes::keeping();
+        let (system, _) = run(&stepped(&model, 0.3, angle), &mut notes);
+        let behind = notes.states.iter().filter(|state| state.time > 0.1 + 1e-9);
+        let off = |state: &_| (joint_reaction(&system, state, &system.joints[0]).0.norm() - 1.0).abs();
+        behind.map(off).fold(0.0, larger)
+    });
+    println!("{errors:?}");
+    assert!(errors[0] < 0.05, "{errors:?}");
+    assert!(errors.windows(2).all(|pair| pair[0] / pair[1] > 1.9), "{errors:?}");
+}
+
 /// Steps of a twentieth of a radian are taken in silence, steps of a seventh with a message.
 #[test]
 fn steps_too_long_for_a_drive_are_told() {
