@@ -17,6 +17,10 @@ const OF_BODY: [&str; 16] =
     ["x", "y", "z", "q0", "q1", "q2", "q3", "vx", "vy", "vz", "wx", "wy", "wz", "w1", "w2", "w3"];
 /// Columns of a point mass.
 const OF_POINT: [&str; 6] = ["x", "y", "z", "vx", "vy", "vz"];
+/// Columns behind them in transient analyses: acceleration of the mass centre, and angular acceleration along the axes of space.
+const ACCELERATIONS: [&str; 6] = ["ax", "ay", "az", "alpha_x", "alpha_y", "alpha_z"];
+/// Number of those of a point mass.
+const OF_POINT_ONLY: usize = 3;
 /// Columns of a joint: force and moment of the first end on the second one.
 const OF_JOINT: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
 /// Column of a joint behind them: largest violation of its constraints.
@@ -62,7 +66,10 @@ pub(super) fn names(system: &System) -> Vec<String> {
     let mut out = Vec::new();
     for body in shown(system) {
         let columns = if body.directors.is_some() { &OF_BODY[..] } else { &OF_POINT[..] };
-        out.extend(columns.iter().map(|column| format!("body.{}.{column}", body.name)));
+        let accelerations =
+            &ACCELERATIONS[..if body.directors.is_some() { ACCELERATIONS.len() } else { OF_POINT_ONLY }];
+        let behind = accelerations.iter().filter(|_| system.moves());
+        out.extend(columns.iter().chain(behind).map(|column| format!("body.{}.{column}", body.name)));
     }
     for joint in system.joints.iter() {
         let of_joint = OF_JOINT.into_iter().chain([DRIFT]).chain(system.moves().then_some(POWER));
@@ -97,13 +104,18 @@ pub(super) fn row(system: &System, state: &State) -> Vec<f64> {
     for body in shown(system) {
         let motion = BodyMotion::new(system, state, body);
         out.extend(motion.position.iter());
-        if body.directors.is_none() {
-            out.extend(motion.velocity.iter());
-            continue;
+        let turns = body.directors.is_some();
+        if turns {
+            out.extend(motion.quaternion(&reference_axes(system, body)));
         }
-        out.extend(motion.quaternion(&reference_axes(system, body)));
-        let spin = motion.spin();
-        out.extend([&motion.velocity, &motion.angular_velocity, &spin].into_iter().flat_map(|v| v.iter()));
+        out.extend(motion.velocity.iter());
+        if turns {
+            out.extend(motion.angular_velocity.iter().chain(motion.spin().iter()));
+        }
+        if system.moves() {
+            out.extend(motion.acceleration.iter());
+            out.extend(motion.angular_acceleration.iter().filter(|_| turns));
+        }
     }
     for joint in system.joints.iter() {
         let found = JointResponse::new(system, state, joint);

@@ -22,6 +22,11 @@ pub struct BodyMotion {
     pub velocity: Vec3,
     /// Angular velocity along the axes of space [rad/time].
     pub angular_velocity: Vec3,
+    /// Acceleration of the mass centre [length/time²]: with the energy–momentum scheme of second order its mean over the step, and
+    /// zero where nothing moves in time.
+    pub acceleration: Vec3,
+    /// Angular acceleration along the axes of space [rad/time²], as the acceleration.
+    pub angular_acceleration: Vec3,
 }
 
 impl BodyMotion {
@@ -31,11 +36,18 @@ impl BodyMotion {
         let at = |v: u32| current(system, &state.u, v);
         let axes = body.directors.map_or_else(Mat3::identity, |d| Mat3::from_columns(&d.map(at)));
         let turning = |d: [u32; 3]| d.map(|v| at(v).cross(&rate(v))).iter().sum::<Vec3>() * 0.5;
+        // Of d̈ = α × d + ω × (ω × d) the sum of d × d̈ over three orthonormal directors leaves 2 α.
+        let u = if state.middle.is_empty() { &state.u } else { &state.middle };
+        let second = |v: u32| state.a.get(v as usize).copied().map_or_else(Vec3::zeros, Vec3::from);
+        let spinning_up =
+            |d: [u32; 3]| d.map(|v| current(system, u, v).cross(&second(v))).iter().sum::<Vec3>() * 0.5;
         Self {
             position: at(body.centre),
             axes,
             velocity: rate(body.centre),
             angular_velocity: body.directors.map_or_else(Vec3::zeros, turning),
+            acceleration: second(body.centre),
+            angular_acceleration: body.directors.map_or_else(Vec3::zeros, spinning_up),
         }
     }
 

@@ -11,6 +11,7 @@ mod arches;
 mod assembly;
 mod bdf2;
 mod beams;
+mod body_accelerations;
 mod buckling;
 mod buckling_machines;
 mod buckling_materials;
