@@ -17,10 +17,9 @@ const OF_BODY: [&str; 16] =
     ["x", "y", "z", "q0", "q1", "q2", "q3", "vx", "vy", "vz", "wx", "wy", "wz", "w1", "w2", "w3"];
 /// Columns of a point mass.
 const OF_POINT: [&str; 6] = ["x", "y", "z", "vx", "vy", "vz"];
-/// Columns behind them in transient analyses: acceleration of the mass centre, and angular acceleration along the axes of space.
-const ACCELERATIONS: [&str; 6] = ["ax", "ay", "az", "alpha_x", "alpha_y", "alpha_z"];
-/// Number of those of a point mass.
-const OF_POINT_ONLY: usize = 3;
+/// Columns behind them in transient analyses: acceleration of the mass centre, and, not of point masses, angular acceleration along
+/// the axes of space.
+pub(super) const ACCELERATIONS: [&str; 6] = ["ax", "ay", "az", "alpha_x", "alpha_y", "alpha_z"];
 /// Columns of a joint: force and moment of the first end on the second one.
 const OF_JOINT: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
 /// Column of a joint behind them: largest violation of its constraints.
@@ -65,11 +64,12 @@ fn nodes(beam: &BeamLine) -> impl Iterator<Item = usize> {
 pub(super) fn names(system: &System) -> Vec<String> {
     let mut out = Vec::new();
     for body in shown(system) {
-        let columns = if body.directors.is_some() { &OF_BODY[..] } else { &OF_POINT[..] };
-        let accelerations =
-            &ACCELERATIONS[..if body.directors.is_some() { ACCELERATIONS.len() } else { OF_POINT_ONLY }];
-        let behind = accelerations.iter().filter(|_| system.moves());
-        out.extend(columns.iter().chain(behind).map(|column| format!("body.{}.{column}", body.name)));
+        let (columns, accelerations) = match body.directors {
+            Some(_) => (&OF_BODY[..], &ACCELERATIONS[..]),
+            None => (&OF_POINT[..], &ACCELERATIONS[..3]),
+        };
+        let accelerations = accelerations.iter().filter(|_| system.moves());
+        out.extend(columns.iter().chain(accelerations).map(|column| format!("body.{}.{column}", body.name)));
     }
     for joint in system.joints.iter() {
         let of_joint = OF_JOINT.into_iter().chain([DRIFT]).chain(system.moves().then_some(POWER));

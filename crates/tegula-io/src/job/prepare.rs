@@ -184,7 +184,9 @@ fn is_mean(model: &Model, system: &System, column: &str) -> bool {
         .iter()
         .any(|name| column.rsplit_once('.').is_some_and(|(_, last)| last == *name));
     let of_forces = || forces::names(system).iter().any(|name| name == column);
-    let of_step = (column.starts_with("joint.") && !of_end) || of_forces();
+    let of_body = column.starts_with("body.")
+        && column.rsplit_once('.').is_some_and(|(_, last)| bodies::ACCELERATIONS.contains(&last));
+    let of_step = (column.starts_with("joint.") && !of_end) || of_body || of_forces();
     scheme.order == 2 && (of_step || model.sensors.iter().any(of_sensor))
 }
 

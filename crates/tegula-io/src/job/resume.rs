@@ -110,6 +110,7 @@ impl CheckpointData {
             ("mean velocities", s.mean_rates[0].len()),
             ("mean accelerations", s.mean_rates[1].len()),
             ("mean loads", s.mean_loads.len()),
+            ("scheme loads", s.scheme_loads.len()),
             ("tangent v", t.v.len()),
             ("reactions", self.forces.1.len()),
         ];

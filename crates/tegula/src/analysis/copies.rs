@@ -18,6 +18,7 @@ impl State {
             acceleration_lag,
             mean_rates,
             mean_loads,
+            scheme_loads,
             history,
             multipliers,
             middle,
@@ -49,6 +50,7 @@ impl State {
             to.clone_from(from);
         }
         self.mean_loads.clone_from(mean_loads);
+        self.scheme_loads.clone_from(scheme_loads);
         self.history.clone_from(history);
         self.multipliers.clone_from(multipliers);
         self.middle.clone_from(middle);
@@ -119,6 +121,7 @@ mod tests {
         };
         state.mean_rates = [field(4.0), field(5.0)];
         state.mean_loads = field(6.0);
+        state.scheme_loads = field(6.5);
         state.history = vec![1.0; 9];
         (state.work, state.other_form, state.negative_pivots) = (3.0, true, 2);
         let mut copy = State { u: field(9.0), ..State::default() };

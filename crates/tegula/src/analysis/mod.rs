@@ -63,13 +63,17 @@ pub struct State {
     /// Mean loads of the last finished step of BDF2; empty at its start and for other schemes.
     #[serde(default)]
     pub mean_loads: Vec<Nodal>,
+    /// Loads in the equation of motion at the end of the last finished step of BDF2, which are not those of this time; empty at its start,
+    /// behind a jump of the velocities, and for other schemes.
+    #[serde(default)]
+    pub scheme_loads: Vec<Nodal>,
     /// Enhanced parameters and internal variables of the materials.
     pub history: Vec<f64>,
     /// Lagrange multipliers of the constraints of joints, in the order of the joints.
     #[serde(default)]
     pub multipliers: Vec<f64>,
-    /// Displacements in the middle of the last step, where the multipliers of the energy–momentum scheme of second order act; empty for
-    /// other schemes and at the start. They are not stored: reactions of a state that was read are in the configuration at its end.
+    /// Displacements in the middle of the last step, where the multipliers of the energy–momentum scheme of second order act and its
+    /// accelerations turn bodies; empty for other schemes, at the start, and for models without joints and bodies. They are not stored: reactions of a state that was read are in the configuration at its end.
     #[serde(default, skip)]
     pub middle: Vec<Nodal>,
     /// Angles of sensors, and behind them the first angles of gears (rad), continued over full turns.

@@ -28,6 +28,7 @@ fn distinct(system: &System) -> CheckpointData {
         &mut state.scheme_v,
         &mut state.acceleration_lag,
         &mut state.mean_loads,
+        &mut state.scheme_loads,
     ] {
         *nodal = field(n);
     }

@@ -199,6 +199,61 @@ fn the_history_has_angle_and_moment_of_torsion_springs() {
     assert!(rows.len() > 15);
 }
 
+/// Accelerations of the history are the differences of its velocities over the steps: of a body that tumbles, and of a point mass.
+#[test]
+fn the_history_has_accelerations_of_bodies() {
+    let folder = run_text(
+        r#"
+        [analysis]
+        type = "transient"
+        end_time = 0.02
+        time_step = 1e-3
+        scheme = { type = "energy-momentum" }
+        [[bodies]]
+        name = "top"
+        at = [0.0, 0.0, 0.0]
+        mass = 2.0
+        inertia = [0.1, 0.2, 0.25]
+        velocity = [1.0, 0.0, 0.0]
+        angular_velocity = [3.0, 2.0, 4.0]
+        [[bodies]]
+        name = "drop"
+        at = [1.0, 0.0, 0.0]
+        mass = 0.5
+        [[loads]]
+        type = "gravity"
+        value = [1.0, -2.0, 3.0]
+        "#,
+    );
+    let (names, rows) = csv::read(&folder.path().join("history.csv")).unwrap();
+    assert!(!names.iter().any(|name| name == "body.drop.alpha_x"));
+    for pair in rows.windows(2) {
+        let value = |row: usize, name: &str| pair[row][names.iter().position(|n| n == name).unwrap()];
+        let dt = value(1, "time") - value(0, "time");
+        for (body, velocity, acceleration, gravity) in [
+            ("top", "vx", "ax", 1.0),
+            ("top", "vy", "ay", -2.0),
+            ("drop", "vx", "ax", 1.0),
+            ("drop", "vz", "az", 3.0),
+        ] {
+            let velocity = format!("body.{body}.{velocity}");
+            let rate = (value(1, &velocity) - value(0, &velocity)) / dt;
+            let found = value(1, &format!("body.{body}.{acceleration}"));
+            assert!(
+                (found - rate).abs() < 1e-9 && (found - gravity).abs() < 1e-9,
+                "{velocity}: {found} {rate}"
+            );
+        }
+        for (spin, acceleration) in [("wx", "alpha_x"), ("wy", "alpha_y"), ("wz", "alpha_z")] {
+            let [before, behind] = [0, 1].map(|row| value(row, &format!("body.top.{spin}")));
+            let found = value(1, &format!("body.top.{acceleration}"));
+            let rate = (behind - before) / dt;
+            assert!(rate.abs() > 0.1 && (found / rate - 1.0).abs() < 1e-3, "{acceleration}: {found} {rate}");
+        }
+    }
+    assert!(rows.len() > 15);
+}
+
 /// Length and force of a spring in the history are those of the body's position and velocity.
 #[test]
 fn the_history_has_length_and_force_of_springs() {

@@ -177,7 +177,7 @@ fn conditions_that_are_never_met_are_warned_of() {
 /// Means over a step tell nothing in the short step to a crossing.
 #[test]
 fn reactions_and_accelerations_of_energy_momentum_steps_are_refused() {
-    for column in ["joint.hinge.fx", "sensor.bearing.moment"] {
+    for column in ["joint.hinge.fx", "sensor.bearing.moment", "body.wheel.alpha_z"] {
         let text = SPIN_UP.replace("\"body.wheel.wz\"", &format!("\"{column}\""));
         let error = prepare(&Deck::parse("m.toml", text.clone()).unwrap()).err().unwrap().to_string();
         assert!(error.contains("is a mean over the step"), "{error}");

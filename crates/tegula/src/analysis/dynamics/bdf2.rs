@@ -12,10 +12,13 @@
 //! F₁ by terms of second order, and a free mass keeps the impulse of the loads exactly, `M A₁ = F̄₁`, however the lengths of the steps change: with F₁
 //! a short pulse between long steps would leave a third too much.
 //!
-//! **Start.** A step that is much longer than the step before, and the first one, is a backward Euler step (c = 1, w = 0). With joints the
-//! accelerations of such a step are of order zero: of a steady rotation it has half of the centripetal one. The first step of a motion with
-//! constraints therefore continues from an imagined step of the same length before it, with the rates that the accelerations a of the start
-//! give, `V₀ = v₀ − ½ Δt a`, `A₀ = a`, and with the loads at the start; so does one behind a jump of the velocity. Motions that the step does not
+//! **Start.** Without joints and bodies the first step, and one that is much longer than the step before, is a backward Euler step (c = 1,
+//! w = 0). With constraints, which the directors of bodies have, too, the accelerations of such a step would be of order zero, half of the centripetal ones in a steady rotation; and a step
+//! that is much shorter than the one before would divide the error of the velocities across the constraints by its length. In these cases,
+//! and behind a jump of the velocities, the formula starts anew from the projected velocities, with a fictitious step of the same length
+//! before: `V₀ = v₀ − ½ Δt a₀`, `A₀ = a₀`, and with the loads that have given a₀, so that no impulse is lost.
+//!
+//! Motions that the step does not
 //! resolve vanish (L-stability); with automatic steps of any length a structure settles in its equilibrium. For
 //! constraints K. E. Brenan, S. L. Campbell, L. R. Petzold, *Numerical solution of initial-value problems in differential-algebraic
 //! equations* (1996), Sect. 3.2; variable steps E. Hairer, S. P. Nørsett, G. Wanner, *Solving ordinary differential equations I* (1993),
@@ -33,8 +36,9 @@ use crate::element::{Motion, Nodal};
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{Assembly, System};
 
-/// Largest ratio of a step to the one before with which the formula continues; it is below 1 + √2.
+/// Largest ratio of a step to the one before with which the formula continues; it is below 1 + √2. With joints or bodies also the smallest.
 const LARGEST_RATIO: f64 = 2.0;
+const SMALLEST_RATIO: f64 = 0.5;
 
 /// BDF2 integrator.
 pub struct Bdf2 {
@@ -53,8 +57,8 @@ pub struct Bdf2 {
     /// Local error of the nodal vectors, and scratch space.
     error: Vec<Nodal>,
     scratch: Vec<Nodal>,
-    /// Whether convergence is judged as sharply as joints and bodies need it.
-    sharp: bool,
+    /// Whether there are joints or bodies, which need sharp convergence and another start.
+    constrained: bool,
 }
 
 impl Bdf2 {
@@ -71,8 +75,21 @@ impl Bdf2 {
             loads_before: zero.clone(),
             error: zero.clone(),
             scratch: zero,
-            sharp: system.constraints() > 0 || !system.dofs().triads.is_empty(),
+            constrained: system.constraints() > 0 || !system.dofs().triads.is_empty(),
         }
+    }
+
+    /// Rates and loads of a fictitious step before, of the same length, from velocities and accelerations at the start.
+    fn start_anew(&mut self, state: &State, dt: f64) {
+        let Self { newmark, velocities, rates_before: [mean_v, mean_a], loads_before, .. } = self;
+        velocities.copy_from_slice(&state.v);
+        mean_a.copy_from_slice(&state.a);
+        for (mean, (v, a)) in mean_v.iter_mut().zip(state.v.iter().zip(&state.a)) {
+            *mean = std::array::from_fn(|i| v[i] - 0.5 * dt * a[i]);
+        }
+        let of_accelerations =
+            if state.scheme_loads.is_empty() { &newmark.loads_old } else { &state.scheme_loads };
+        loads_before.copy_from_slice(of_accelerations);
     }
 
     /// Velocities and accelerations that belong to the displacements.
@@ -115,11 +132,13 @@ impl Equation for Bdf2 {
 impl Integrator for Bdf2 {
     fn begin(&mut self, system: &System, _assembly: &mut Assembly, state: &State, span: Span) {
         let ratio = span.dt / state.last_step;
-        let continues = !state.mean_rates[0].is_empty() && !state.mean_loads.is_empty();
-        let starts = !continues && system.constraints() > 0;
-        self.ratio = match continues && ratio <= LARGEST_RATIO {
-            true => Some(ratio),
-            false => starts.then_some(1.0),
+        let known = !state.mean_rates[0].is_empty() && !state.mean_loads.is_empty();
+        let constrained = self.constrained;
+        let continues = known && ratio <= LARGEST_RATIO && (!constrained || ratio >= SMALLEST_RATIO);
+        self.ratio = match (continues, constrained) {
+            (true, _) => Some(ratio),
+            (false, true) => Some(1.0),
+            (false, false) => None,
         };
         self.weights = self.ratio.map_or([1.0, 0.0], |w| [(1.0 + 2.0 * w) / (1.0 + w), w / (1.0 + w)]);
         let c = self.weights[0];
@@ -132,13 +151,8 @@ impl Integrator for Bdf2 {
             self.loads_before.copy_from_slice(&state.mean_loads);
         }
         self.newmark.start(system, state, span);
-        if starts {
-            let [mean_v, mean_a] = &mut self.rates_before;
-            mean_a.copy_from_slice(&state.a);
-            for (mean, (v, a)) in mean_v.iter_mut().zip(state.v.iter().zip(&state.a)) {
-                *mean = std::array::from_fn(|i| v[i] - 0.5 * span.dt * a[i]);
-            }
-            self.loads_before.copy_from_slice(self.newmark.loads_at_start());
+        if constrained && !continues {
+            self.start_anew(state, span.dt);
         }
         self.rates(system, state);
     }
@@ -158,7 +172,7 @@ impl Integrator for Bdf2 {
     }
 
     fn finish(&mut self, system: &System, state: &mut State) {
-        let Self { newmark, velocities, projected, scratch, .. } = self;
+        let Self { newmark, weights: [c, w], velocities, projected, loads_before, scratch, .. } = self;
         let [mean_v, mean_a] = &mut state.mean_rates;
         for (mean, end, start) in [(mean_v, &newmark.u, &state.u), (mean_a, &newmark.v, velocities)] {
             mean.resize(end.len(), [0.0; 3]);
@@ -168,6 +182,12 @@ impl Integrator for Bdf2 {
         }
         state.mean_loads.resize(scratch.len(), [0.0; 3]);
         newmark.mean_loads(system, &mut state.mean_loads);
+        state.scheme_loads.resize(loads_before.len(), [0.0; 3]);
+        for (loads, (mean, before)) in
+            state.scheme_loads.iter_mut().zip(state.mean_loads.iter().zip(loads_before))
+        {
+            *loads = std::array::from_fn(|i| *c * mean[i] - *w * before[i]);
+        }
         scratch.fill([0.0; 3]);
         project_rates(system, &newmark.u, projected, scratch);
         state.u.copy_from_slice(&newmark.u);
@@ -194,7 +214,7 @@ impl Integrator for Bdf2 {
     }
 
     fn tolerances(&self, max_iterations: u32) -> Tolerances {
-        if self.sharp {
+        if self.constrained {
             Tolerances { energy: 1e-20, increment: 1e-8, max_iterations }
         } else {
             self.newmark.tolerances(max_iterations)

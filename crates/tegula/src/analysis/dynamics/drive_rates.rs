@@ -18,7 +18,7 @@ const MISSED: f64 = 0.1;
 const LOST: f64 = 0.5;
 
 /// Part of the largest rate by which the velocities of backward differences may miss it before a message says so: at a tenth of a radian
-/// a step, with which a drive adds 0.6 % of the kinetic energy in each revolution.
+/// a step, with which a drive does work of 0.6 % of the kinetic energy in each revolution against the numerical damping.
 const MISSED_BY_DIFFERENCES: f64 = 3.3e-3;
 
 /// Number of first steps that are not judged: from rest, the error is as large as the rate.
@@ -73,31 +73,29 @@ impl DriveRates {
         if state.step <= FIRST_STEPS {
             return Ok(None);
         }
-        // The velocities of the state are those of the scheme across the constraints, but for backward differences.
+        // Backward differences have velocities of their own; those of the state satisfy the constraints.
         let by_differences = !state.mean_rates[0].is_empty();
-        let (v, limit) = match by_differences {
-            true => (state.velocities_of_scheme(), MISSED_BY_DIFFERENCES),
-            false => (state.v.as_slice(), MISSED),
+        let (v, limit, consequence) = match by_differences {
+            true => (
+                state.velocities_of_scheme(),
+                MISSED_BY_DIFFERENCES,
+                "kinetic energy, reactions, power and work have errors of this size or more, and the drive works against the numerical damping",
+            ),
+            false => (state.v.as_slice(), MISSED, "velocities and reactions alternate about their mean"),
+        };
+        let other = match (conserves, by_differences) {
+            (true, _) => ", or the scheme \"generalized-alpha\"",
+            (false, true) => ", or another scheme",
+            (false, false) => "",
         };
         let missed = |(joint, largest): (&Joint, &f64)| {
             let missed = system.missed_rate(joint, [&state.u, v], state.time)? / largest;
             (*largest > 0.0 && missed > limit).then(|| (missed, joint.name.clone()))
         };
-        let other = match (conserves, state.mean_rates[0].is_empty()) {
-            (true, _) => ", or the scheme \"generalized-alpha\"",
-            (false, false) => ", or another scheme",
-            (false, true) => "",
-        };
         let Some((missed, name)) = system.joints.iter().zip(&self.largest).find_map(missed) else {
             return Ok(self
                 .opened(system, state)
                 .map(|message| format!("{message}; take shorter steps{other}")));
-        };
-        let consequence = match by_differences {
-            true => {
-                "kinetic energy, reactions, power and work have errors of this size or more, and the drive works against the numerical damping"
-            }
-            false => "velocities and reactions alternate about their mean",
         };
         let reason = format!(
             "the velocities miss the rate of the drive \"{name}\" by {:.1} % of its largest one: the steps are long for the motion, and \

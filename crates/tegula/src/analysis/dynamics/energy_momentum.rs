@@ -220,12 +220,12 @@ impl Integrator for EnergyMomentum {
         &self.v
     }
 
-    fn finish(&mut self, _system: &System, state: &mut State) {
+    fn finish(&mut self, system: &System, state: &mut State) {
         state.a.copy_from_slice(&self.a);
         state.u.copy_from_slice(&self.u);
         state.v.copy_from_slice(&self.v);
         state.multipliers.copy_from_slice(&self.multipliers);
-        if !self.composed && !self.multipliers.is_empty() {
+        if !self.composed && (!self.multipliers.is_empty() || !system.coordinates.bodies.is_empty()) {
             state.middle.resize(self.u.len(), [0.0; 3]);
             for (middle, (old, new)) in state.middle.iter_mut().zip(self.u_old.iter().zip(&self.u)) {
                 *middle = std::array::from_fn(|i| 0.5 * (old[i] + new[i]));

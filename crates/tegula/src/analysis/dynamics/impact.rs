@@ -54,12 +54,17 @@ fn change_accelerations(system: &System, newton: &mut Newton, old: &[Nodal], sta
     project_rates(system, &state.u, &mut state.v, &mut state.a);
 }
 
-/// Accelerations and multipliers of a model with constraints that satisfy the equations of motion behind a kink, with the factor of the
-/// mass matrix that [`pass_kink`] has left.
+/// Accelerations and multipliers that satisfy the equations of motion behind a kink, with the factor of the mass matrix that [`pass_kink`]
+/// has left.
 pub(super) fn accelerate_anew(system: &System, newton: &mut Newton, state: &mut State) {
     system.prescribe_acceleration(state.time, &mut state.a);
+    project_rates(system, &state.u, &mut state.v, &mut state.a);
     let rest = equilibrium::unbalanced(system, &mut newton.assembly, state);
-    constrained_start::add_response(system, newton, &rest, state);
+    if newton.constraints.is_none() {
+        add_free_response(system, newton, &rest, &mut state.a);
+    } else {
+        constrained_start::add_response(system, newton, &rest, state);
+    }
 }
 
 /// Adds the response of the mass matrix, with its factor, to forces on free degrees of freedom.

@@ -92,7 +92,7 @@ pub struct Newmark {
     pub(super) a_old: Vec<Nodal>,
     /// External forces minus damping and internal forces at the start of the step; only for α_f ≠ 0.
     old_rest: Vec<Nodal>,
-    loads_old: Vec<Nodal>,
+    pub(super) loads_old: Vec<Nodal>,
     /// Scratch space for forces.
     buffer: Vec<Nodal>,
     reaction: Vec<Nodal>,
@@ -251,11 +251,6 @@ impl Newmark {
         }
         system.pattern.add_mass_product(-1.0, self.accelerations(), out);
         system.pattern.add_mass_product(-system.mass_damping, &self.v, out);
-    }
-
-    /// Loads at the start of the step.
-    pub(super) fn loads_at_start(&self) -> &[Nodal] {
-        &self.loads_old
     }
 
     /// Mean of the loads at both ends of the step.

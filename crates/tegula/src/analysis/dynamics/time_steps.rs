@@ -331,6 +331,7 @@ impl<'a> TimeSteps<'a> {
                 // The formula starts anew, from the velocities behind the jump and the accelerations that belong to them.
                 state.mean_rates.iter_mut().for_each(Vec::clear);
                 state.scheme_v.clear();
+                state.scheme_loads.clear();
                 impact::accelerate_anew(system, newton, state);
             }
         }
