@@ -274,6 +274,28 @@ fn reactions_behind_a_jump_of_the_rate_are_those_of_the_motion() {
     assert!(errors.windows(2).all(|pair| pair[0] / pair[1] > 1.9), "{errors:?}");
 }
 
+/// A drive whose rate jumps does the work of the impulse at once, and the velocities before it belong to the rate before.
+#[test]
+fn a_jump_of_the_rate_of_a_drive_does_the_work_of_its_impulse() {
+    let generalized = Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius: 0.8 });
+    for scheme in [BDF2, generalized] {
+        let mut model = driven_arm(1.0);
+        let (times, values) = (vec![0.0, 0.1003, 100.1003], vec![0.0, 0.1003, 200.1003]);
+        model.amplitudes.insert("turn".into(), Amplitude::Table(TableAmplitude { times, values }));
+        let mut notes = Notes::keeping();
+        let (system, _) = run(&with_scheme(&model, scheme, 0.2, 1e-3), &mut notes);
+        for state in notes.states.iter().filter(|state| (state.time - 0.1003).abs() > 1e-9) {
+            let exact = if state.time < 0.1003 { 1.0 } else { 4.0 };
+            let force = joint_reaction(&system, state, &system.joints[0]).0.norm();
+            assert!((force / exact - 1.0).abs() < 0.02, "{scheme:?} {}: {force}", state.time);
+        }
+        // ½ (0.1 + 2·0.5²) ω² with ω from 1 to 2 rad/s.
+        let work = notes.states.last().unwrap().work;
+        assert!((work - 0.3 * 3.0).abs() < 2e-3, "{scheme:?}: {work}");
+        assert!(notes.events.is_empty(), "{scheme:?}: {:?}", notes.events);
+    }
+}
+
 /// An output time that cuts a step short leaves no trace in reactions and drives, however short the step is.
 #[test]
 fn a_step_that_is_cut_short_does_not_spoil_the_reactions() {
@@ -294,10 +316,10 @@ fn a_step_that_is_cut_short_does_not_spoil_the_reactions() {
 /// Steps of a twentieth of a radian are taken in silence, steps of a seventh with a message.
 #[test]
 fn steps_too_long_for_a_drive_are_told() {
-    for (angle, told) in [(0.05, false), (0.15, true)] {
+    for (angle, steps, told) in [(0.05, 40.0, false), (0.15, 40.0, true), (0.15, 10.0, true)] {
         let mut notes = Notes::default();
-        run(&stepped(&driven_arm(1.0), 40.0 * angle, angle), &mut notes);
-        let found = notes.events.iter().any(|event| event.contains("miss the rate of the drive \"drive\""));
+        run(&stepped(&driven_arm(1.0), steps * angle, angle), &mut notes);
+        let found = notes.events.iter().any(|event| event.contains("the steps are long for this motion"));
         assert_eq!(found, told, "{angle}: {:?}", notes.events);
     }
 }

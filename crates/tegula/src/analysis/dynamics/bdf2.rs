@@ -28,6 +28,7 @@
 //! no error adds up. The velocities of the state are their projections; the scheme continues with its own, because those make the
 //! multipliers of second order.
 
+use super::drive_rates::time_of_rates;
 use super::newmark::{Newmark, forwards_to_newmark};
 use super::{Integrator, Span, StepWork, project_rates, triads};
 use crate::analysis::State;
@@ -167,7 +168,8 @@ impl Integrator for Bdf2 {
         projected.copy_from_slice(&newmark.v);
         triads::project_velocities(system, &newmark.u, projected);
         if let Some(constraints) = &mut newton.constraints {
-            constraints.project_velocities(system, (&newmark.u, newmark.time), projected);
+            let time = time_of_rates(system, newmark.time, newmark.dt);
+            constraints.project_velocities(system, (&newmark.u, time), projected);
         }
     }
 

@@ -1,9 +1,7 @@
 //! Velocities at the ends of steps against the rates of drives.
 //!
 //! Joints hold positions, not velocities. Those of a scheme that does not damp, `v₁ = 2 Δq/Δt − v₀`, alternate about the rate of a
-//! drive: by about Δθ²/6 of it where a step turns a body by Δθ, and by more where the length of the steps changes. Those of backward
-//! differences are `½ (3 q₁ − 4 q₀ + q₋₁)/Δt`, too large by about Δθ²/3, and the reactions that belong to them have the part Δθ³/2 of
-//! the centripetal force along the motion, against which the drive does work.
+//! drive: by about Δθ²/6 of it where a step turns a body by Δθ, and by more where the length of the steps changes.
 
 use crate::analysis::State;
 use crate::constraint::Joint;
@@ -17,15 +15,17 @@ use crate::{Error, Result, Vec3};
 const MISSED: f64 = 0.1;
 const LOST: f64 = 0.5;
 
-/// Part of the largest rate by which the velocities of backward differences may miss it before a message says so: at a tenth of a radian
-/// a step, with which a drive does work of 0.6 % of the kinetic energy in each revolution against the numerical damping.
-const MISSED_BY_DIFFERENCES: f64 = 3.3e-3;
-
 /// Number of first steps that are not judged: from rest, the error is as large as the rate.
 const FIRST_STEPS: u64 = 20;
 
 /// Number of times from the start of an analysis step to where it is resumed, at which the rates of drives are looked at.
 const LOOKS: u32 = 100;
+
+/// Time at the end of a step of this length at which the rates of drives are taken: before a kink the rate of the piece that ends there.
+pub(super) fn time_of_rates(system: &System, time: f64, dt: f64) -> f64 {
+    const BEFORE: f64 = 1e-9;
+    if system.has_kink(time) { time - BEFORE * dt } else { time }
+}
 
 /// Watches the velocities of driven joints.
 pub(super) struct DriveRates {
@@ -73,33 +73,19 @@ impl DriveRates {
         if state.step <= FIRST_STEPS {
             return Ok(None);
         }
-        // Backward differences have velocities of their own; those of the state satisfy the constraints.
-        let by_differences = !state.mean_rates[0].is_empty();
-        let (v, limit, consequence) = match by_differences {
-            true => (
-                state.velocities_of_scheme(),
-                MISSED_BY_DIFFERENCES,
-                "kinetic energy, reactions, power and work have errors of this size or more, and the drive works against the numerical damping",
-            ),
-            false => (state.v.as_slice(), MISSED, "velocities and reactions alternate about their mean"),
-        };
-        let other = match (conserves, by_differences) {
-            (true, _) => ", or the scheme \"generalized-alpha\"",
-            (false, true) => ", or another scheme",
-            (false, false) => "",
-        };
         let missed = |(joint, largest): (&Joint, &f64)| {
-            let missed = system.missed_rate(joint, [&state.u, v], state.time)? / largest;
-            (*largest > 0.0 && missed > limit).then(|| (missed, joint.name.clone()))
+            let missed = system.missed_rate(joint, [&state.u, &state.v], state.time)? / largest;
+            (*largest > 0.0 && missed > MISSED).then(|| (missed, joint.name.clone()))
         };
+        let other = if conserves { ", or the scheme \"generalized-alpha\"" } else { "" };
         let Some((missed, name)) = system.joints.iter().zip(&self.largest).find_map(missed) else {
             return Ok(self
                 .opened(system, state)
                 .map(|message| format!("{message}; take shorter steps{other}")));
         };
         let reason = format!(
-            "the velocities miss the rate of the drive \"{name}\" by {:.1} % of its largest one: the steps are long for the motion, and \
-             {consequence}",
+            "the velocities miss the rate of the drive \"{name}\" by {:.0} % of its largest one: the steps are long for the motion, and \
+             velocities and reactions alternate about their mean",
             100.0 * missed
         );
         if missed <= LOST {

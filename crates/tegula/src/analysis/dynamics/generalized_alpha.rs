@@ -25,6 +25,7 @@
 //! free: a free body that turns by 0.1 rad a step gains energy exponentially for ρ = 0.9. Inextensible directors, whose inertia is small,
 //! keep theirs for ρ < 1.
 
+use super::drive_rates::time_of_rates;
 use super::newmark::{Newmark, forwards_to_newmark};
 use super::{Integrator, Span, StepWork, project_rates, triads};
 use crate::analysis::State;
@@ -160,7 +161,8 @@ impl Integrator for GeneralizedAlpha {
         triads::project_velocities(system, u, v);
         if let Some(constraints) = &mut newton.constraints {
             // By the tangent, with M as the part of the mass, the change of v is −βΔt²/share M⁻¹Gᵀ times these multipliers.
-            let change = constraints.project_velocities(system, (u, *time), v);
+            let time = time_of_rates(system, *time, *dt);
+            let change = constraints.project_velocities(system, (u, time), v);
             let factor = *beta * *dt / *gamma;
             multipliers
                 .iter_mut()

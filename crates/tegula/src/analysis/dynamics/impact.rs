@@ -54,9 +54,16 @@ fn change_accelerations(system: &System, newton: &mut Newton, old: &[Nodal], sta
     project_rates(system, &state.u, &mut state.v, &mut state.a);
 }
 
-/// Accelerations and multipliers that satisfy the equations of motion behind a kink, with the factor of the mass matrix that [`pass_kink`]
-/// has left.
-pub(super) fn accelerate_anew(system: &System, newton: &mut Newton, state: &mut State) {
+/// Starts a scheme anew behind a kink, from the velocities there, which [`pass_kink`] has found, and the accelerations and multipliers that
+/// belong to them. Without joints and bodies accelerations do not depend on velocities but through damping.
+pub(super) fn start_anew(system: &System, newton: &mut Newton, state: &mut State) {
+    state.mean_rates.iter_mut().for_each(Vec::clear);
+    state.scheme_v.clear();
+    state.scheme_loads.clear();
+    if newton.constraints.is_none() && system.dofs().triads.is_empty() {
+        return;
+    }
+    state.acceleration_lag.clear();
     system.prescribe_acceleration(state.time, &mut state.a);
     project_rates(system, &state.u, &mut state.v, &mut state.a);
     let rest = equilibrium::unbalanced(system, &mut newton.assembly, state);

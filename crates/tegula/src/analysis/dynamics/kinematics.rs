@@ -10,6 +10,7 @@
 //! Velocities and accelerations follow from `G v = −∂g/∂t` and `G a = −Ġ v − …`, multipliers from the equations of motion
 //! `M a + Gᵀλ = F`: E. J. Haug, *Computer aided kinematics and dynamics of mechanical systems* (1989), Sect. 3.6 and 11.2.
 
+use super::drive_rates::time_of_rates;
 use super::newmark::Newmark;
 use super::{Integrator, Span, StepWork, constrained_start, equilibrium, impact};
 use crate::analysis::State;
@@ -21,8 +22,6 @@ use crate::norm::larger;
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{Assembly, System};
 
-/// Time before a kink of a drive, over the step, at which its rate is taken.
-const BEFORE: f64 = 1e-9;
 /// Difference between a displacement and its integral from the rates, over the way, above which the positions have jumped, and its
 /// round-off over the size of the model.
 const PART: f64 = 0.1;
@@ -124,9 +123,7 @@ impl Integrator for Kinematics {
         start: &State,
     ) -> Result<Option<String>> {
         let Self { end, state, .. } = self;
-        // Before a kink of a drive its rate is that of the piece that ends there.
-        let earlier = if system.has_kink(end.time) { BEFORE * end.dt } else { 0.0 };
-        state.time = end.time - earlier;
+        state.time = time_of_rates(system, end.time, end.dt);
         state.u.copy_from_slice(&end.u);
         state.v.fill([0.0; 3]);
         state.a.fill([0.0; 3]);

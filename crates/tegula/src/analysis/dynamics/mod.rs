@@ -6,6 +6,7 @@ mod break_away;
 mod composition;
 mod constrained_start;
 pub mod critical_step;
+mod difference_energy;
 mod drive_rates;
 pub mod energy_momentum;
 mod energy_watch;

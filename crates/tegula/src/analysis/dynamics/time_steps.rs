@@ -1,6 +1,7 @@
 //! Time steps of an implicit scheme, with step control and cut-backs.
 
 use super::amplitude_check::AmplitudeCheck;
+use super::difference_energy::DifferenceEnergy;
 use super::drive_rates::DriveRates;
 use super::energy_watch::{EnergyWatch, keeps_energy};
 use super::joint_events::{JointEvents, Review};
@@ -64,6 +65,7 @@ pub(super) struct TimeSteps<'a> {
     warnings: Vec<String>,
     /// Watch of the velocities of driven joints.
     drive_rates: DriveRates,
+    difference_energy: DifferenceEnergy,
     /// Watch of the energy of schemes that do not conserve it.
     energies: EnergyWatch,
     /// Watch of rotations in constant steps.
@@ -118,6 +120,7 @@ impl<'a> TimeSteps<'a> {
             drilling: DrillingWatch::new(),
             bending: BendingWatch::new(),
             drive_rates: DriveRates::new(system, state.time),
+            difference_energy: DifferenceEnergy::new(system),
             energies: EnergyWatch::new(system, &balance),
             rotations: RotationWatch::new(
                 system,
@@ -327,12 +330,8 @@ impl<'a> TimeSteps<'a> {
         if system.has_kink(span.end) {
             let mean = self.options.scheme.instant() == Instant::Middle;
             state.work += impact::pass_kink(system, newton, mean, state)?;
-            if !state.mean_rates[0].is_empty() {
-                // The formula starts anew, from the velocities behind the jump and the accelerations that belong to them.
-                state.mean_rates.iter_mut().for_each(Vec::clear);
-                state.scheme_v.clear();
-                state.scheme_loads.clear();
-                impact::accelerate_anew(system, newton, state);
+            if !self.options.scheme.conserves_energy() && !self.options.scheme.is_kinematic() {
+                impact::start_anew(system, newton, state);
             }
         }
         state.step += 1;
@@ -343,6 +342,7 @@ impl<'a> TimeSteps<'a> {
         state.tangent.record_use(converged.iterations, converged.tangents);
         commit(system, newton, state);
         let before = std::mem::replace(&mut self.balance, balance(system, &mut newton.assembly, state));
+        let last = span.end >= self.options.end_time;
         if !system.joints.is_empty() {
             let conserves = self.options.scheme.conserves_energy();
             let scale = scheme.energy_scale(system, &mut newton.assembly, &state.history);
@@ -351,7 +351,9 @@ impl<'a> TimeSteps<'a> {
             if let Err(reason) = trouble {
                 return self.return_to_start(span, before, reason);
             }
-            if let Some(message) = self.drive_rates.look(system, state, conserves)? {
+            let rates = self.drive_rates.look(system, state, conserves)?;
+            let energy = self.difference_energy.look(system, state, self.balance.kinetic, last);
+            for message in rates.into_iter().chain(energy) {
                 observer.on_event(&format!("time {:.6e}: {message}", state.time));
             }
         }
@@ -362,7 +364,6 @@ impl<'a> TimeSteps<'a> {
         bending.look(system, at.0, observer, || format!("time {:.6e}", state.time));
         if !self.options.scheme.conserves_energy() && !self.options.scheme.is_kinematic() {
             let energies = (&self.balance, state.energy_scale);
-            let last = span.end >= self.options.end_time;
             self.energies.look(system, energies, (state.step, span, last), observer);
         }
         self.rotations.look(system, at, scheme.sub_steps(), observer);
