@@ -175,6 +175,18 @@ pub trait ElementGroup: Send + Sync {
         let request = TangentRequest { weights, stress: Some(increment.stress), prescribed: None, blocks };
         self.evaluate(k, first, forces, Some(request));
     }
+    /// Forces `Bᵀ n` of generalised stresses n of an element, those of the motion where `None`, in the configuration of the motion. `false`, and
+    /// nothing written, where they follow from the geometric stiffness only.
+    fn forces_of_stresses(
+        &self,
+        k: &GroupPoint,
+        element: usize,
+        stresses: Option<&[f64]>,
+        forces: &mut [f64],
+    ) -> bool {
+        let _ = (k, element, stresses, forces);
+        false
+    }
     /// Generalised stresses, work-conjugate to the strains in which the group works (sampled strains or quadratic
     /// forms).
     fn stresses(&self, k: &GroupPoint, stresses: &mut [f64]) {

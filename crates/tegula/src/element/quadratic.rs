@@ -336,6 +336,28 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
         for_each_chunk_of_two((forces, N), (blocks, size), &work);
     }
 
+    fn forces_of_stresses(
+        &self,
+        k: &GroupPoint,
+        element: usize,
+        stresses: Option<&[f64]>,
+        forces: &mut [f64],
+    ) -> bool {
+        // Inextensible directors have a curvature of their own.
+        let inextensible = |v: &u32| k.inextensible.get(*v as usize).is_some_and(|is| *is);
+        if self.members.vectors[element].iter().any(inextensible) {
+            return false;
+        }
+        let StrainState { acting, stress: mut n, .. } = self.stress(element, k);
+        if let Some(stored) = stresses {
+            n.copy_from_slice(&stored[element * S..(element + 1) * S]);
+        }
+        let f = self.strains.force(&acting, &n);
+        let f = self.members.transforms.get(element).map_or(f, |t| t.apply_transposed(&f));
+        forces.copy_from_slice(f.as_flattened());
+        true
+    }
+
     fn stresses(&self, k: &GroupPoint, stresses: &mut [f64]) {
         for_each_chunk(stresses, S, &|first, stresses| {
             for (i, n) in stresses.chunks_exact_mut(S).enumerate() {

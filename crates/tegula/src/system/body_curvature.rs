@@ -60,7 +60,14 @@ impl BodyCurvature {
         let weights = TangentWeights { stress: 0.0, rate: 0.0, augmentation: 0.0, penalty: 0.0, ..*weights };
         let size = 9 * pairs(m);
         let mut evaluated = 0..0;
+        let factor = weights.force * weights.direction;
         for number in reduction.numbers() {
+            let forces = &mut self.forces[..3 * m];
+            if group.forces_of_stresses(k, number, stress, forces) {
+                forces.iter_mut().for_each(|f| *f *= factor);
+                subtract(&mut self.sums, (group.vectors(number), forces), frames);
+                continue;
+            }
             if !evaluated.contains(&number) {
                 let first = number - number % ALIGNMENT;
                 evaluated = first..group.len().min(first + ALIGNMENT);

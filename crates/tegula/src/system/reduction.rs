@@ -6,8 +6,8 @@ use std::ops::Range;
 use super::assembly::pairs;
 use super::pattern::BATCH;
 use super::{Attached, DofMap, LocalFrames};
-use crate::Mat3;
 use crate::element::ElementGroup;
+use crate::{Mat3, Vec3};
 
 /// Contributions of a group, or follower loads, that contain directors of rigid bodies or vectors attached to bodies. In the
 /// tangent the first director of a body stands for its rotation, and the blocks of all others are transformed and added there,
@@ -43,8 +43,8 @@ struct Part {
     rotation: Option<(usize, Attached)>,
 }
 
-/// Place in the tangent, and factor `P = −[arm]×` of a rotation; `None`: the unit matrix.
-type Term = (usize, Option<Mat3>);
+/// Place in the tangent, and arm a of a rotation, whose factor is `P = −[a]×`; `None`: the unit matrix.
+type Term = (usize, Option<Vec3>);
 
 impl Reduction {
     /// Reduction of contributions with these nodal vectors; `None` if they contain nothing that moves with rigid bodies. `invariant`: rigid motions
@@ -151,15 +151,19 @@ impl Member {
             return;
         }
         for (a, part_a) in self.parts.iter().enumerate() {
+            let terms = part_a.terms(frames);
             for (b, part_b) in self.parts[..=a].iter().enumerate() {
                 let pair = pairs(a) + b;
                 let k = Mat3::from_row_slice(&blocks[9 * pair..9 * pair + 9]);
-                for (i, p) in part_a.terms(frames).into_iter().flatten() {
-                    let row = p.map_or(k, |p| p.transpose() * k);
-                    for (j, q) in part_b.terms(frames).into_iter().flatten() {
+                for &(i, arm) in terms.iter().flatten() {
+                    // Pᵀ K = [a]× K
+                    let row = arm.map_or(k, |arm| across(&arm, &k));
+                    for (j, arm) in part_b.terms(frames).into_iter().flatten() {
                         // Of a vector with itself both orders of two terms are met.
                         if a != b || i >= j {
-                            add(q.map_or(row, |q| row * q), (i, j), a != b, out);
+                            // K P = ([a]× Kᵀ)ᵀ
+                            let product = arm.map_or(row, |arm| across(&arm, &row.transpose()).transpose());
+                            add(product, (i, j), a != b, out);
                         }
                     }
                 }
@@ -171,10 +175,14 @@ impl Member {
 impl Part {
     fn terms(&self, frames: &LocalFrames) -> [Option<Term>; 2] {
         // δd = δθ × d = −[d]× δθ
-        let rotation =
-            self.rotation.map(|(place, attached)| (place, Some(-frames.arm(&attached).cross_matrix())));
+        let rotation = self.rotation.map(|(place, attached)| (place, Some(frames.arm(&attached))));
         [self.translation.map(|place| (place, None)), rotation]
     }
+}
+
+/// Product `[a]× K`: the columns of K across a vector.
+fn across(a: &Vec3, k: &Mat3) -> Mat3 {
+    Mat3::from_columns(&[0, 1, 2].map(|j| a.cross(&k.column(j))))
 }
 
 /// Adds a block at its place in a lower triangle; of a pair of different vectors the block in the upper triangle belongs to it.

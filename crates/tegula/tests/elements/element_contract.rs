@@ -186,6 +186,22 @@ fn scales(e: &Element) -> Vec<f64> {
     diagonal.iter().map(|d| 1.0 / larger(*d, least).sqrt()).collect()
 }
 
+/// Strains are quadratic in the nodal vectors q: the forces Bᵀ n of the stresses n are `Σ 2 n_k A_k q`.
+#[test]
+fn forces_of_stresses_are_the_geometric_stiffness_times_the_nodal_vectors() {
+    let mut kinds = std::collections::BTreeSet::new();
+    for Case { element: e, label, mut random, section, .. } in all_cases().filter(|c| c.element.linear) {
+        let u = e.displacement(0.1, &mut random);
+        for [forces, product] in e.forces_of_stresses(&u) {
+            let (size, error) = (forces.amax(), (&forces - product).amax());
+            assert!(size > 0.0 && error < 1e-10 * size, "{label}: {error:e} of {size:e}");
+            kinds.insert(section.element.name());
+        }
+    }
+    assert!(!kinds.is_empty());
+    println!("{kinds:?}");
+}
+
 #[test]
 #[ignore = "long"]
 fn force_is_the_derivative_of_the_energy_and_tangent_that_of_the_force_where_materials_are_linear() {

@@ -173,21 +173,38 @@ impl Element {
 
     /// Static tangent.
     pub fn tangent(&self, u: &[Nodal]) -> DMatrix<f64> {
+        self.groups.iter().map(|g| self.stiffness_of(g.as_ref(), u, TangentWeights::STATIC)).sum()
+    }
+
+    /// Forces of the stresses of the motion, and the geometric stiffness times the present nodal vectors, of each group that has the former.
+    pub fn forces_of_stresses(&self, u: &[Nodal]) -> Vec<[DVector<f64>; 2]> {
+        let present = DVector::from_iterator(
+            3 * u.len(),
+            self.reference.as_flattened().iter().zip(u.as_flattened()).map(|(x, u)| x + u),
+        );
+        let one = |g: &dyn ElementGroup| {
+            let mut f = vec![0.0; 3 * u.len()];
+            let found = self.with(u, g, |k| g.forces_of_stresses(k, 0, None, &mut f));
+            let geometric = self.stiffness_of(g, u, TangentWeights::GEOMETRIC);
+            found.then(|| [DVector::from_vec(f), geometric * &present])
+        };
+        self.groups.iter().filter_map(|g| one(g.as_ref())).collect()
+    }
+
+    /// Tangent of these weights of a group.
+    fn stiffness_of(&self, g: &dyn ElementGroup, u: &[Nodal], weights: TangentWeights) -> DMatrix<f64> {
         let m = u.len();
         let mut k = DMatrix::zeros(3 * m, 3 * m);
-        for g in &self.groups {
-            let (mut f, mut blocks) = (vec![0.0; 3 * m], vec![0.0; 9 * m * (m + 1) / 2]);
-            let weights = TangentWeights::STATIC;
-            let request = TangentRequest { weights, stress: None, prescribed: None, blocks: &mut blocks };
-            self.with(u, g.as_ref(), |k| g.evaluate(k, 0, &mut f, Some(request)));
-            let mut block = blocks.chunks_exact(9);
-            for a in 0..m {
-                for b in 0..=a {
-                    for (i, value) in block.next().unwrap().iter().enumerate() {
-                        k[(3 * a + i / 3, 3 * b + i % 3)] += value;
-                        if a != b {
-                            k[(3 * b + i % 3, 3 * a + i / 3)] += value;
-                        }
+        let (mut f, mut blocks) = (vec![0.0; 3 * m], vec![0.0; 9 * m * (m + 1) / 2]);
+        let request = TangentRequest { weights, stress: None, prescribed: None, blocks: &mut blocks };
+        self.with(u, g, |k| g.evaluate(k, 0, &mut f, Some(request)));
+        let mut block = blocks.chunks_exact(9);
+        for a in 0..m {
+            for b in 0..=a {
+                for (i, value) in block.next().unwrap().iter().enumerate() {
+                    k[(3 * a + i / 3, 3 * b + i % 3)] += value;
+                    if a != b {
+                        k[(3 * b + i % 3, 3 * a + i / 3)] += value;
                     }
                 }
             }
