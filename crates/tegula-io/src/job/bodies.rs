@@ -22,6 +22,8 @@ const OF_POINT: [&str; 6] = ["x", "y", "z", "vx", "vy", "vz"];
 pub(super) const ACCELERATIONS: [&str; 6] = ["ax", "ay", "az", "alpha_x", "alpha_y", "alpha_z"];
 /// Columns of a joint: force and moment of the first end on the second one.
 const OF_JOINT: [&str; 6] = ["fx", "fy", "fz", "mx", "my", "mz"];
+/// Columns of a joint behind the others of a reaction: force and moment along its axes.
+const ALONG_AXES: [&str; 6] = ["f1", "f2", "f3", "m1", "m2", "m3"];
 /// Column of a joint behind them: largest violation of its constraints.
 const DRIFT: &str = "drift";
 /// Column of a joint behind that in transient analyses: power that its drive supplies, less that of its friction and stops.
@@ -74,6 +76,8 @@ pub(super) fn names(system: &System) -> Vec<String> {
     for joint in system.joints.iter() {
         let of_joint = OF_JOINT.into_iter().chain([DRIFT]).chain(system.moves().then_some(POWER));
         out.extend(of_joint.map(|column| format!("joint.{}.{column}", joint.name)));
+        let along = ALONG_AXES.iter().filter(|_| joint.axes.is_some());
+        out.extend(along.map(|column| format!("joint.{}.{column}", joint.name)));
         if let Some((_, law)) = joint.law_row() {
             out.push(format!("joint.{}.{}", joint.name, if law.is_angle { ANGLE } else { DISPLACEMENT }));
             out.extend(OF_COORDINATE.map(|column| format!("joint.{}.{column}", joint.name)));
@@ -122,6 +126,9 @@ pub(super) fn row(system: &System, state: &State) -> Vec<f64> {
         out.extend(found.force.iter().chain(found.moment.iter()));
         out.push(joint_drift(system, state, joint));
         out.extend(system.moves().then_some(found.power));
+        out.extend(
+            found.along_axes().into_iter().flatten().flat_map(|vector| [vector.x, vector.y, vector.z]),
+        );
         if let Some(found) = coordinate_response(system, state, joint) {
             let value = if found.is_angle { found.value.to_degrees() } else { found.value };
             out.extend([value, found.friction, found.stop, f64::from(u8::from(found.is_held))]);

@@ -106,6 +106,7 @@ fn tied(
         vectors,
         of_first,
         point: point.unwrap_or_default(),
+        axes: None,
         rows,
         first,
         number,

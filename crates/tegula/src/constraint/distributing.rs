@@ -150,6 +150,7 @@ pub fn distributing(
         vectors,
         of_first,
         point,
+        axes: None,
         rows,
         first,
         number,

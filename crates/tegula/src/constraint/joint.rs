@@ -33,6 +33,9 @@ pub struct Joint {
     pub of_first: Vec<bool>,
     /// Point of the joint, fixed in its second end, or in the first one where the second is the ground.
     pub point: Attachment,
+    /// Right-handed axes fixed in its second end, or in the first one where the second is the ground or has no axes: the third one is the axis of the
+    /// joint. `None` where neither end has axes.
+    pub axes: Option<[Attachment; 3]>,
     /// Constraints.
     pub rows: Vec<Row>,
     /// Number of the first constraint among those of all joints.

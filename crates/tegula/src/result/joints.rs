@@ -1,11 +1,11 @@
 //! Reactions, power and constraint drift of joints.
 
 use super::bodies::current;
-use crate::Vec3;
 use crate::analysis::State;
 use crate::constraint::Joint;
 use crate::element::Nodal;
 use crate::system::{System, VectorKind};
+use crate::{Mat3, Vec3};
 
 /// Action of a joint in a state; for the energy–momentum scheme of second order means over the last step, in the configuration in its middle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,6 +18,8 @@ pub struct JointResponse {
     /// their impulses; 0 to round-off for any other joint, and in statics. For the energy–momentum scheme of second order the sum over all
     /// steps is the change of the energy.
     pub power: f64,
+    /// [Axes of the joint](Joint::axes) as columns, of unit length, in the configuration in which the force acts; `None` where neither end has axes.
+    pub axes: Option<Mat3>,
 }
 
 impl JointResponse {
@@ -55,7 +57,19 @@ impl JointResponse {
             };
             moment += arm.cross(f) * sign;
         }
-        Self { force, moment, power }
+        let axes = joint.axes.as_ref().map(|axes| {
+            let [first, _, third] = axes.each_ref().map(|axis| axis.value(|n| current(system, u, n)));
+            // In the middle of a step the means of axes are neither of unit length nor perpendicular.
+            let third = third.normalize();
+            let second = third.cross(&first).normalize();
+            Mat3::from_columns(&[second.cross(&third), second, third])
+        });
+        Self { force, moment, power, axes }
+    }
+
+    /// Force and moment along the axes of the joint; `None` where neither end has axes.
+    pub fn along_axes(&self) -> Option<[Vec3; 2]> {
+        self.axes.map(|axes| [self.force, self.moment].map(|x| axes.tr_mul(&x)))
     }
 }
 

@@ -520,6 +520,7 @@ pub(crate) fn joint_at(
         .get(side.min(points.len().saturating_sub(1)))
         .map_or_else(Vec3::zeros, |(_, x)| Vec3::from(*x));
     let point = sides::place_on(&ends[side], &at, (side == 1).then_some(&second));
+    let axes = sides::axes(&joint.common().directions(), (&ends, side), &second);
     // The carrier of gears counts to the first end.
     let own = [ends[0].vectors(), carrier.vectors()].concat();
     let (vectors, rows) = (Vec::new(), Vec::new());
@@ -544,6 +545,7 @@ pub(crate) fn joint_at(
         vectors,
         of_first,
         point,
+        axes,
         rows,
         first,
         number,

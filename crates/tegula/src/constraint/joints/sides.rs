@@ -14,6 +14,9 @@ use crate::{Mat3, Vec3};
 /// Distance of the sides of a joint over the size of the model, and angle between them (rad), that are round-off.
 pub(crate) const NO_GAP: f64 = 1e-9;
 
+/// Keys of the axes of joints that have one in each side.
+const OF_SIDES: [&str; 2] = ["axes[0]", "axes[1]"];
+
 /// Cosine of the angle between two directions above −1, below which the rotation between them has no axis of its own.
 const OPPOSITE: f64 = 1e-12;
 
@@ -108,6 +111,28 @@ impl Constraints {
     pub(super) fn second_axis(&self, along: &Vec3) -> Option<Attachment> {
         self.ends[1].axis(&self.second.direction(along))
     }
+}
+
+/// Axes of a joint with these directions, fixed in a side, or in the other one where that has no axes.
+pub(super) fn axes(
+    directions: &[(&str, [f64; 3])],
+    (ends, side): (&[End; 2], usize),
+    second: &SecondPlace,
+) -> Option<[Attachment; 3]> {
+    let of = |side: usize| {
+        // Joints with an axis of each side have the keys `axes[0]` and `axes[1]`.
+        let own = directions.iter().find(|(key, _)| *key == OF_SIDES[side]);
+        let direction = own.or(directions.first());
+        let base = direction.map_or([Vec3::x(), Vec3::y(), Vec3::z()], |(_, axis)| {
+            let axis = Vec3::from(*axis).normalize();
+            let [first, second] = tangents(&axis);
+            [first, second, axis]
+        });
+        let fixed = base.map(|e| ends[side].axis(&if side == 1 { second.direction(&e) } else { e }));
+        let [a, b, c] = fixed;
+        Some([a?, b?, c?])
+    };
+    of(side).or_else(|| of(1 - side))
 }
 
 /// Place of the point of a joint on a side.
