@@ -33,6 +33,7 @@ const NODES: usize = 4;
 /// Input that has no effect, or a geometry that no shell has. The model is computed all the same.
 pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     let mut found = unused(model);
+    found.extend(unused_velocities(model));
     found.extend(jumping_supports(model, system));
     found.extend(shortened_directors(model, system));
     found.extend(independent_of_the_start(model, mesh, system));
@@ -337,6 +338,18 @@ fn unused(model: &Model) -> Vec<Issue> {
         )],
         _ => Vec::new(),
     }
+}
+
+/// Velocities at the start of an analysis that does not move.
+fn unused_velocities(model: &Model) -> Option<Issue> {
+    let moves = matches!(model.analysis, Analysis::Transient(_));
+    (!moves && !model.initial_velocities.is_empty()).then(|| {
+        Issue::new(
+            "initial_velocities[0]",
+            "it has no effect on this analysis: only transient analyses have velocities",
+            "give `type = \"transient\"`, or leave the velocities at the start out",
+        )
+    })
 }
 
 /// Prescribed motions of a transient analysis that are elsewhere at time 0 than the model at its start.

@@ -97,6 +97,19 @@ fn keys_without_effect_are_warned_of() {
         ..Layup::default()
     });
     assert_eq!(warned(&m), ["sections[0].thickness"]);
+    // Only motions have velocities at the start.
+    let mut m = base(ElementKind::Ems);
+    m.initial_velocities = vec![InitialVelocity {
+        on: "all".into(),
+        velocity: [1.0, 0.0, 0.0],
+        angular_velocity: [0.0; 3],
+        center: [0.0; 3],
+    }];
+    m.analysis = Analysis::Static(StaticAnalysis::default());
+    assert_eq!(warned(&m), ["initial_velocities[0]"]);
+    m.analysis = Analysis::Transient(TransientAnalysis::new(1.0));
+    m.conditions.clear();
+    assert!(warned(&m).is_empty(), "{:?}", warned(&m));
 }
 
 #[test]
