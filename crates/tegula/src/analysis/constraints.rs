@@ -272,6 +272,11 @@ impl Constraints {
         &self.right
     }
 
+    /// Schur complement of the last tangent.
+    pub fn schur(&self) -> &Schur {
+        &self.schur
+    }
+
     /// Messages about joints with constraints that are redundant at the last tangent.
     pub fn redundant<'a>(&'a self, system: &'a System) -> impl Iterator<Item = String> + 'a {
         self.schur.redundant(system)

@@ -36,7 +36,7 @@ use crate::system::{
 use tegula_sparse::SparseLdlt;
 
 use super::circulatory::CirculatoryLoads;
-use super::constraints::Constraints;
+use super::constraints::{Constraints, Schur};
 use super::lagged_tangent::{Increments, LaggedTangent};
 use super::solver::{self, Linearization, TangentSolver};
 use super::{Observer, State};
@@ -249,6 +249,11 @@ impl<S: TangentSolver> Newton<S> {
     /// Iterations of the linear solver, and solves for the circulatory part of follower loads, so far.
     pub fn linear_iterations(&self) -> u64 {
         self.solver.linear_iterations() + self.circulatory.as_ref().map_or(0, CirculatoryLoads::solutions)
+    }
+
+    /// Schur complement of the last tangent at the constraints of joints, if there are any.
+    pub(super) fn schur(&self) -> Option<&Schur> {
+        self.constraints.as_ref().map(Constraints::schur)
     }
 
     /// Takes the angles of the state from which a step starts: gears count their turns from there.

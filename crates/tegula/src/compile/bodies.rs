@@ -31,12 +31,12 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
         c.add(
             "analysis",
             "bodies, beams, joints, ties, springs and bushings move in nonlinear transient analyses with the schemes \"energy-momentum\", \
-             \"generalized-alpha\", \"bdf2\", \"explicit\" and \"kinematic\" only; nonlinear static analyses with the direct solver, paths, modal and buckling analyses take them, too",
+             \"generalized-alpha\", \"hht\", \"bdf2\", \"explicit\" and \"kinematic\" only; nonlinear static analyses with the direct solver, paths, modal and buckling analyses take them, too",
             if moves && is_linear {
                 "leave `linear = true` out"
             } else {
-                "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`, or for numerical damping as of `hht` \
-                 `scheme = { type = \"generalized-alpha\" }`; leave `linear = true` out"
+                "give `type = \"transient\"` and `scheme = { type = \"energy-momentum\" }`, or for numerical damping \
+                 `scheme = { type = \"generalized-alpha\" }` or \"hht\"; leave `linear = true` out"
             },
         );
     }

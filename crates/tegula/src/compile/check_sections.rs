@@ -238,7 +238,7 @@ fn ability(model: &Model, s: &Section, key: &str, name: &str, material: &Materia
                 "the energy-momentum scheme conserves energy, which the plastic material \"{name}\" dissipates"
             ),
             if model.is_mechanism() {
-                "use `generalized-alpha`"
+                "use `generalized-alpha` or `hht`"
             } else {
                 "use `newmark`, `hht` or `generalized-alpha`"
             },

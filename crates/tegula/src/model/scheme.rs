@@ -20,7 +20,7 @@ macro_rules! schemes {
         $made! {
             newmark::NewmarkScheme as Newmark: "Newmark-β; β = 1/4, γ = 1/2 (trapezoidal rule) unless given.",
             energy_momentum::EnergyMomentumScheme as EnergyMomentum: "Conserves energy and momenta exactly (Simo–Tarnow).",
-            hht::HhtScheme as Hht: "Hilber–Hughes–Taylor α method: second order with numerical damping.",
+            hht::HhtScheme as Hht: "Hilber–Hughes–Taylor α method: second order with numerical damping, also with bodies and joints.",
             generalized_alpha::GeneralizedAlphaScheme as GeneralizedAlpha: "Generalised-α method: second order with numerical damping, also with bodies and joints.",
             bdf2::Bdf2Scheme as Bdf2: "Backward differentiation formula of second order: strong numerical damping, for motions that settle.",
             kinematic::KinematicScheme as Kinematic: "Kinematic analysis of rigid bodies: positions from joints and drives alone, forces by inverse dynamics.",

@@ -101,7 +101,7 @@ pub struct ReactionFinder {
 impl ReactionFinder {
     /// Recovery for a scheme of time integration, `None` for statics.
     pub fn new(system: &System, scheme: Option<Scheme>) -> Self {
-        let instant = scheme.map_or(Instant::End, Scheme::instant);
+        let instant = scheme.map_or(Instant::End, |scheme| scheme.instant(system));
         Self { assembly: Assembly::for_forces(system), instant, supported: supported(system) }
     }
 

@@ -19,6 +19,7 @@ mod force_laws;
 pub(crate) mod inertia_relief;
 mod inverted_element;
 mod local_frames;
+mod mechanism;
 pub mod lumped_body;
 pub mod lumping;
 pub mod outline;
@@ -357,11 +358,6 @@ impl System {
     /// factor may be negative.
     pub fn time_of_drives(&self, time: f64) -> f64 {
         if self.parameter() == LoadParameter::PathFactor { time } else { time.max(0.0) }
-    }
-
-    /// Number of constraints, and of their Lagrange multipliers.
-    pub fn constraints(&self) -> usize {
-        self.joints.last().map_or(0, |last| last.multipliers().end)
     }
 
     /// Node or body of a nodal vector with its place in the reference configuration, for messages.

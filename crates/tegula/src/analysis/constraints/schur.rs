@@ -104,13 +104,21 @@ impl Schur {
         self.factor.dependent().len()
     }
 
-    /// Messages about joints with constraints that are redundant in the last factor.
-    pub fn redundant<'a>(&'a self, system: &'a System) -> impl Iterator<Item = String> + 'a {
+    /// Joints with constraints that follow from others in the last factor, and the number of these.
+    pub fn dependent_joints<'a>(
+        &'a self,
+        system: &'a System,
+    ) -> impl Iterator<Item = (&'a Joint, usize)> + 'a {
         let dependent = self.factor.dependent();
         let count =
             move |joint: &Joint| dependent.iter().filter(|row| joint.multipliers().contains(*row)).count();
-        let counted = system.joints.iter().map(move |joint| (&joint.name, count(joint)));
-        counted.filter(|(_, count)| *count > 0).map(|(name, count)| {
+        let counted = system.joints.iter().map(move |joint| (joint, count(joint)));
+        counted.filter(|(_, count)| *count > 0)
+    }
+
+    /// Messages about joints with constraints that are redundant in the last factor.
+    pub fn redundant<'a>(&'a self, system: &'a System) -> impl Iterator<Item = String> + 'a {
+        self.dependent_joints(system).map(|(Joint { name, .. }, count)| {
             format!(
                 "joint \"{name}\": {count} of its constraints follow from those of other joints and supports; its reactions \
                  are not unique, and those of minimum norm are computed"

@@ -299,9 +299,9 @@ impl Projection {
         }
     }
 
-    /// Number of constraints that follow from others at the last state.
-    pub fn dependent(&self) -> usize {
-        self.schur.dependent()
+    /// Schur complement of the mass at the constraints of the last state.
+    pub fn schur(&self) -> &Schur {
+        &self.schur
     }
 
     /// Messages about joints with redundant constraints.

@@ -7,6 +7,7 @@ use super::energy_watch::{SuppliedEnergy, is_round_off};
 use super::explicit::Explicit;
 use super::explicit_start;
 use super::fibre_watch::FibreWatch;
+use super::rank_watch::RankWatch;
 use super::step_end::StepEnds;
 use super::{SMALLEST_STEP, Span};
 use crate::analysis::bending_watch::BendingWatch;
@@ -132,8 +133,7 @@ pub(super) struct ExplicitSteps<'a> {
     warned: bool,
     /// Events and warnings of the start that have not been reported yet.
     messages: Messages,
-    /// Number of constraints that followed from others when this was last reported.
-    dependent: usize,
+    rank: RankWatch,
 }
 
 impl<'a> ExplicitSteps<'a> {
@@ -171,7 +171,7 @@ impl<'a> ExplicitSteps<'a> {
         };
         Ok(Self {
             messages: if fresh { messages } else { Messages::default() },
-            dependent: scheme.joints.as_ref().map_or(0, |joints| joints.dependent()),
+            rank: RankWatch::new(scheme.joints.as_ref().map(|joints| joints.schur())),
             critical: CriticalStep::new(system, &scheme.mass),
             fibres,
             monitor,
@@ -277,16 +277,8 @@ impl<'a> ExplicitSteps<'a> {
 
     /// Reports where the rank of the constraints falls.
     fn look_at_rank(&mut self, observer: &mut dyn Observer) {
-        let Some(joints) = &self.scheme.joints else { return };
-        let dependent = joints.dependent();
-        if dependent > self.dependent {
-            observer.on_event(&format!(
-                "time {:.6e}: a singular position of the joints, where {dependent} constraints follow from others; the reactions of \
-                 minimum norm are computed",
-                self.state.time
-            ));
-            self.dependent = dependent;
-        }
+        let schur = self.scheme.joints.as_ref().map(|joints| joints.schur());
+        self.rank.look(self.system, schur, self.state.time, observer);
     }
 
     /// Checks the energy balance of the state.

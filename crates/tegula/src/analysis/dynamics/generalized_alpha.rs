@@ -13,6 +13,9 @@
 //! dissipation*, J. Appl. Mech. 60 (1993) 371–375; M. Arnold, O. Brüls, *Convergence of the generalized-α scheme for constrained
 //! mechanical systems*, Multibody Syst. Dyn. 18 (2007) 185–202.
 //!
+//! The method of Hilber, Hughes and Taylor (HHT) is that of `α_m = 0`, `α_f = −α`: for linear forces the same recurrence, and with joints
+//! that of index 3 in place of the forces between the ends of the step. Its spectral radius at high frequencies is `(1 + α)/(1 − α)`.
+//!
 //! **Start.** With `a₀ = q̈₀` at the start the multipliers would be of first order. The first step is therefore repeated with
 //! `a₀ = q̈₀ + (α_m − α_f)(q̈₁ − q̈₀)`, with the accelerations q̈₁ that it has given. A change of the step scales the difference
 //! of a and q̈; behind a much shorter step, as one to the end of a jump of a load, the motion starts anew.
@@ -58,7 +61,15 @@ pub struct GeneralizedAlpha {
 impl GeneralizedAlpha {
     /// Integrator with the spectral radius ρ at high frequencies, from 0 to 1.
     pub fn new(system: &System, rho: f64) -> Self {
-        let (alpha_m, alpha_f) = ((2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0));
+        Self::with_parameters(system, (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0))
+    }
+
+    /// Integrator of the HHT method with α from −1/3 to 0.
+    pub fn hht(system: &System, alpha: f64) -> Self {
+        Self::with_parameters(system, 0.0, -alpha)
+    }
+
+    fn with_parameters(system: &System, alpha_m: f64, alpha_f: f64) -> Self {
         let lead = alpha_f - alpha_m;
         let zero = vec![[0.0; 3]; system.vectors()];
         Self {

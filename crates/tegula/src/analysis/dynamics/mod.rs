@@ -24,6 +24,7 @@ mod joint_modes;
 pub mod kinematics;
 pub mod newmark;
 mod predictor;
+mod rank_watch;
 mod rotation_watch;
 pub mod schemes;
 pub mod step_control;

@@ -41,7 +41,7 @@ impl StepEnds {
     pub fn new(system: &System, options: &TransientAnalysis) -> Self {
         let end = options.end_time;
         let shares = options.time_step.is_none() && system.procedure != Procedure::Explicit;
-        let lags = matches!(options.scheme.instant(), Instant::Between(_));
+        let lags = matches!(options.scheme.instant(system), Instant::Between(_));
         let limit = f64::INFINITY;
         Self { stops: Stops::of(system, end), fixed: options.time_step, end, limit, shares, lags }
     }

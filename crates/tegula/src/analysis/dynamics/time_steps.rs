@@ -6,6 +6,7 @@ use super::drive_rates::DriveRates;
 use super::energy_watch::{EnergyWatch, keeps_energy};
 use super::joint_events::{JointEvents, Review};
 use super::kinematics::determined;
+use super::rank_watch::RankWatch;
 use super::rotation_watch::RotationWatch;
 use super::schemes::Instant;
 use super::step_control::StepControl;
@@ -70,6 +71,7 @@ pub(super) struct TimeSteps<'a> {
     energies: EnergyWatch,
     /// Watch of rotations in constant steps.
     rotations: RotationWatch,
+    rank: RankWatch,
 }
 
 impl<'a> TimeSteps<'a> {
@@ -109,6 +111,7 @@ impl<'a> TimeSteps<'a> {
             state.next_step = control.first(system, &state);
         }
         Ok(Self {
+            rank: RankWatch::new(newton.schur().filter(|_| fresh)),
             tolerances: scheme.tolerances(options.max_iterations),
             control,
             ends: StepEnds::new(system, options),
@@ -311,8 +314,10 @@ impl<'a> TimeSteps<'a> {
             bending,
             events,
             old_velocities,
+            rank,
             ..
         } = self;
+        rank.look(system, newton.schur(), span.end, observer);
         if !events.is_empty() {
             // A flight much shorter than a step is the end of an infinite number of impacts.
             let plastic = events.returns() && span.dt < SHORT_FLIGHT * state.next_step;
@@ -328,7 +333,7 @@ impl<'a> TimeSteps<'a> {
             }
         }
         if system.has_kink(span.end) {
-            let mean = self.options.scheme.instant() == Instant::Middle;
+            let mean = self.options.scheme.instant(system) == Instant::Middle;
             state.work += impact::pass_kink(system, newton, mean, state)?;
             if !self.options.scheme.conserves_energy() && !self.options.scheme.is_kinematic() {
                 impact::start_anew(system, newton, state);

@@ -100,7 +100,7 @@ impl SchemeKeys for EnergyMomentumScheme {
         Some(Box::new(EnergyMomentum::new(system, self.is_composed())))
     }
 
-    fn instant(&self) -> Instant {
+    fn instant(&self, _system: &System) -> Instant {
         // Composed steps find accelerations and multipliers of their end.
         if self.is_composed() { Instant::End } else { Instant::Middle }
     }

@@ -1,10 +1,14 @@
 //! Hilber–Hughes–Taylor α method.
+//!
+//! Systems of bodies and joints take it as the generalised-α method with α_m = 0, whose equations of motion hold at the end of the step
+//! together with the constraints.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Instant, SchemeKeys};
 use crate::analysis::dynamics::Integrator;
+use crate::analysis::dynamics::generalized_alpha::GeneralizedAlpha;
 use crate::analysis::dynamics::newmark::Newmark;
 use crate::checker::Checker;
 use crate::system::System;
@@ -40,11 +44,18 @@ impl SchemeKeys for HhtScheme {
 
     fn integrator(&self, system: &System) -> Option<Box<dyn Integrator>> {
         let a = self.alpha;
+        if system.is_mechanism() {
+            return Some(Box::new(GeneralizedAlpha::hht(system, a)));
+        }
         Some(Box::new(Newmark::new(system, 0.25 * (1.0 - a) * (1.0 - a), 0.5 - a, -a)))
     }
 
-    fn instant(&self) -> Instant {
-        Instant::Between(-self.alpha)
+    fn instant(&self, system: &System) -> Instant {
+        if system.is_mechanism() { Instant::End } else { Instant::Between(-self.alpha) }
+    }
+
+    fn moves_bodies(&self) -> bool {
+        true
     }
 }
 

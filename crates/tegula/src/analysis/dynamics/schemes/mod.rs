@@ -33,7 +33,7 @@ pub(crate) trait SchemeKeys: Copy + Default {
         false
     }
     /// Instant at which the equation of motion of a step holds.
-    fn instant(&self) -> Instant {
+    fn instant(&self, _system: &System) -> Instant {
         Instant::End
     }
     /// True if the scheme conserves energy, so that it cannot follow materials that dissipate it.
@@ -92,9 +92,9 @@ macro_rules! dispatch {
             }
 
             /// Instant at which the equation of motion of a step holds.
-            pub fn instant(self) -> Instant {
+            pub fn instant(self, system: &System) -> Instant {
                 match self {
-                    $(Self::$kind(keys) => keys.instant(),)*
+                    $(Self::$kind(keys) => keys.instant(system),)*
                 }
             }
 
