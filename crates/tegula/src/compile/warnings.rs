@@ -342,14 +342,26 @@ fn unused(model: &Model) -> Vec<Issue> {
 
 /// Velocities at the start of an analysis that does not move.
 fn unused_velocities(model: &Model) -> Option<Issue> {
-    let moves = matches!(model.analysis, Analysis::Transient(_));
-    (!moves && !model.initial_velocities.is_empty()).then(|| {
-        Issue::new(
-            "initial_velocities[0]",
-            "it has no effect on this analysis: only transient analyses have velocities",
-            "give `type = \"transient\"`, or leave the velocities at the start out",
-        )
-    })
+    if matches!(model.analysis, Analysis::Transient(_)) {
+        return None;
+    }
+    // Those of bodies and beams may be meant for a later step.
+    let given = |velocity: [f64; 3], turning: [f64; 3]| {
+        model.steps.is_empty() && [velocity, turning].iter().flatten().any(|x| *x != 0.0)
+    };
+    let key = if !model.initial_velocities.is_empty() {
+        "initial_velocities[0]".into()
+    } else if let Some(i) = model.bodies.iter().position(|b| given(b.velocity, b.angular_velocity)) {
+        format!("bodies[{i}].velocity")
+    } else {
+        let i = model.beams.iter().position(|b| given(b.velocity, b.angular_velocity))?;
+        format!("beams[{i}].velocity")
+    };
+    Some(Issue::new(
+        key,
+        "velocities at the start have no effect on this analysis: only transient analyses have velocities",
+        "give `type = \"transient\"`, or leave them out",
+    ))
 }
 
 /// Prescribed motions of a transient analysis that are elsewhere at time 0 than the model at its start.

@@ -163,6 +163,9 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> SampledStra
             let row = &mut s[t.sample];
             for a in 0..M {
                 let (wp, wq) = (t.weight * p[a], t.weight * q[a]);
+                if wp == 0.0 && wq == 0.0 {
+                    continue;
+                }
                 for i in 0..3 {
                     row[3 * a + i] += wp * x[t.right][i] + wq * x[t.left][i];
                 }
@@ -205,9 +208,12 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize> SampledStra
                         }
                     }
                 }
-                for b in 0..=a {
-                    let at = 9 * (first + b) + 3 * i;
-                    blocks[at..at + 3].copy_from_slice(&row[3 * b..3 * b + 3]);
+                let rows = blocks[9 * first..].chunks_exact_mut(9).zip(row.as_chunks::<3>().0);
+                for (block, values) in rows.take(a + 1) {
+                    // A loop: a copy of so few numbers would be a call.
+                    for (to, from) in block[3 * i..3 * i + 3].iter_mut().zip(values) {
+                        *to = *from;
+                    }
                 }
             }
             first += a + 1;

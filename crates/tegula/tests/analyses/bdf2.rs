@@ -296,6 +296,31 @@ fn a_jump_of_the_rate_of_a_drive_does_the_work_of_its_impulse() {
     }
 }
 
+/// A body on a hinge under a moment about its axis that jumps: the bearing at a distance from the mass centre takes the tangential force
+/// m r M/J at once, whatever the step.
+#[test]
+fn a_jump_of_a_load_is_in_the_reactions_behind_it() {
+    for (step, gap) in [(5e-3, 1e-9), (2.5e-3, 1e-9), (5e-3, 1e-5)] {
+        let arm = body("arm", [0.5, 0.0, 0.0], 2.0, Some([0.1, 0.1, 0.1]));
+        let hinge = revolute("hinge", "ground", "arm", [0.0; 3], [0.0, 0.0, 1.0]);
+        let mut model = machine(0.03, step, vec![arm], vec![hinge]);
+        let (times, values) = (vec![0.0, 0.0101, 0.0101 + gap, 1.0], vec![0.0, 0.0, 1.0, 1.0]);
+        model.amplitudes.insert("jump".into(), Amplitude::Table(TableAmplitude { times, values }));
+        let value = [0.0, 0.0, 3.0];
+        let amplitude = Some("jump".into());
+        model.loads =
+            vec![Load::Moment(VectorLoad { on: "arm".into(), value, amplitude, distribution: None })];
+        let mut notes = Notes::keeping();
+        let (system, _) = run(&stepped(&model, 0.03, step), &mut notes);
+        let force = 2.0 * 0.5 * 3.0 / (0.1 + 2.0 * 0.25);
+        for state in &notes.states {
+            let exact = if state.time < 0.0101 + 0.5 * gap { 0.0 } else { force };
+            let found = joint_reaction(&system, state, &system.joints[0]).0.norm();
+            assert!((found - exact).abs() < 1e-2 * force, "{step} {gap} {}: {found} {exact}", state.time);
+        }
+    }
+}
+
 /// An output time that cuts a step short leaves no trace in reactions and drives, however short the step is.
 #[test]
 fn a_step_that_is_cut_short_does_not_spoil_the_reactions() {

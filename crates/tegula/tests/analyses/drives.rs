@@ -297,3 +297,48 @@ fn velocities_that_alternate_behind_a_drive_that_stops_at_once_are_told() {
     let (times, values) = (vec![0.0, 0.5, 1.0, 1.5, 2.0], vec![0.0, 45.0, 80.0, 85.0, 85.0]);
     assert!(!told(Amplitude::Spline(SplineAmplitude { times, values, rates: [0.0; 2] })));
 }
+
+/// A damper beside a drive whose rate changes its sign: the torque of the drive is that of the damper on both sides of the kink.
+#[test]
+fn a_damper_takes_the_jump_of_the_rate_of_a_drive() {
+    for scheme in [
+        Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }),
+        Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius: 0.8 }),
+        Scheme::Hht(HhtScheme { alpha: -0.1 }),
+        Scheme::Bdf2(Bdf2Scheme {}),
+    ] {
+        let wheel = body("wheel", [0.0; 3], 2.0, Some([0.2, 0.2, 0.3]));
+        let z = [0.0, 0.0, 1.0];
+        let hinge = crate::multibody::revolute("hinge", "ground", "wheel", [0.0; 3], z);
+        let drive = Joint::DrivenAngle(DrivenAngleJoint {
+            name: "drive".into(),
+            between: between("ground", "wheel"),
+            axis: z,
+            angle: 1.0_f64.to_degrees(),
+            amplitude: "turn".into(),
+        });
+        let mut model = machine(0.4, 0.01, vec![wheel], vec![hinge, drive]);
+        let table = TableAmplitude { times: vec![0.0, 0.2, 0.5], values: vec![0.0, 0.2, -0.1] };
+        model.amplitudes.insert("turn".into(), Amplitude::Table(table));
+        model.torsion_springs = vec![TorsionSpring {
+            name: "damper".into(),
+            between: between("ground", "wheel"),
+            axis: z,
+            stiffness: 0.0,
+            damping: 0.7,
+            free_angle: 0.0,
+            moment: None,
+        }];
+        let mut notes = Notes::keeping();
+        let (system, _) = run(&crate::generalized_alpha::with_scheme(&model, scheme, 0.4, 0.01), &mut notes);
+        for state in notes.states[1..].iter().filter(|state| (state.time - 0.2).abs() > 0.011) {
+            let (_, moment) = joint_reaction(&system, state, &system.joints[1]);
+            let exact = if state.time < 0.2 { 0.7 } else { -0.7 };
+            // The first rows of BDF2 are of first order.
+            let limit = if matches!(scheme, Scheme::Bdf2(_)) { 5e-3 } else { 1e-3 };
+            assert!((moment.z - exact).abs() < limit, "{scheme:?} {}: {}", state.time, moment.z);
+        }
+        let last = notes.states.last().unwrap();
+        assert!((last.dissipated - 0.7 * 0.4).abs() < 2e-3, "{scheme:?}: {}", last.dissipated);
+    }
+}

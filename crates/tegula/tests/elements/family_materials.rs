@@ -107,6 +107,15 @@ fn keys_without_effect_are_warned_of() {
     }];
     m.analysis = Analysis::Static(StaticAnalysis::default());
     assert_eq!(warned(&m), ["initial_velocities[0]"]);
+    let given = std::mem::take(&mut m.initial_velocities);
+    m.bodies = vec![RigidBody {
+        attached: vec!["u_max".into()],
+        ..RigidBody::new("hub", [1.0, 0.25, 0.0], 1.0, Some([1.0; 3]))
+    }];
+    assert!(warned(&m).is_empty(), "{:?}", warned(&m));
+    m.bodies[0].angular_velocity = [0.0, 0.0, 2.0];
+    assert_eq!(warned(&m), ["bodies[0].velocity"]);
+    (m.initial_velocities, m.bodies) = (given, Vec::new());
     m.analysis = Analysis::Transient(TransientAnalysis::new(1.0));
     m.conditions.clear();
     assert!(warned(&m).is_empty(), "{:?}", warned(&m));

@@ -278,7 +278,7 @@ impl<'a> ExplicitSteps<'a> {
     /// Reports where the rank of the constraints falls.
     fn look_at_rank(&mut self, observer: &mut dyn Observer) {
         let schur = self.scheme.joints.as_ref().map(|joints| joints.schur());
-        self.rank.look(self.system, schur, self.state.time, observer);
+        self.rank.look_at_masses(self.system, schur, self.state.time, observer);
     }
 
     /// Checks the energy balance of the state.

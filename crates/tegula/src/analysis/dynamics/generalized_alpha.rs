@@ -144,10 +144,12 @@ impl Integrator for GeneralizedAlpha {
         self.accelerations(system);
     }
 
-    fn improves_start(&mut self, system: &System, state: &mut State) -> bool {
+    fn improves_start(&mut self, system: &System, newton: &mut Newton, state: &mut State) -> bool {
         if self.starts == 0 || self.lag() == 0.0 {
             return false;
         }
+        // Without the projection the accelerations across the constraints are of first order.
+        self.close_rates(system, newton);
         self.starts -= 1;
         state.acceleration_lag.resize(system.vectors(), [0.0; 3]);
         let change = self.lag() / self.newmark.dt;

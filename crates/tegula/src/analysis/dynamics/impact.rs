@@ -45,7 +45,7 @@ fn change_accelerations(system: &System, newton: &mut Newton, old: &[Nodal], sta
     let (mut behind, mut change) = (vec![[0.0; 3]; old.len()], vec![[0.0; 3]; old.len()]);
     newton.assembly.forces(system, &state.point_with_rates(system), &mut behind);
     let motion = Motion::State { u: &state.u, velocity: Some(old) };
-    let k = EvaluationPoint::new(system, motion, state.time, &state.history);
+    let k = EvaluationPoint::new(system, motion, state.time, state.internal());
     newton.assembly.forces(system, &k, &mut change);
     for (change, behind) in change.as_flattened_mut().iter_mut().zip(behind.as_flattened()) {
         *change -= behind;
@@ -72,6 +72,36 @@ pub(super) fn start_anew(system: &System, newton: &mut Newton, state: &mut State
     } else {
         constrained_start::add_response(system, newton, &rest, state);
     }
+}
+
+/// Starts a scheme anew behind a step that is much shorter than the next one, as across a jump of a load. The accelerations and multipliers of
+/// BDF2 there are means over both sides of the jump.
+///
+/// # Errors
+/// The mass matrix is singular.
+pub(super) fn leave_short_step(system: &System, newton: &mut Newton, state: &mut State) -> Result<()> {
+    state.acceleration_lag.clear();
+    let constrained = newton.constraints.is_some() || !system.dofs().triads.is_empty();
+    if state.scheme_loads.is_empty() || !constrained {
+        return Ok(());
+    }
+    take_mass(system, newton, state)?;
+    start_anew(system, newton, state);
+    Ok(())
+}
+
+/// Takes the factored mass matrix of a state in place of the tangent, also for the constraints.
+///
+/// # Errors
+/// The mass matrix is singular.
+pub(super) fn take_mass(system: &System, newton: &mut Newton, state: &mut State) -> Result<()> {
+    newton.forget(state);
+    newton.assembly.follow(system, &state.point_with_rates(system));
+    factor_mass(system, newton, state)?;
+    let Newton { assembly, solver, constraints, .. } = newton;
+    constraints.as_mut().map_or(Ok(()), |constraints| {
+        constrained_start::take_mass(system, assembly, (solver, constraints), state)
+    })
 }
 
 /// Adds the response of the mass matrix, with its factor, to forces on free degrees of freedom.

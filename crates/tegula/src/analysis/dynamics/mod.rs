@@ -86,7 +86,7 @@ pub trait Integrator: Equation + Send {
         &[1.0]
     }
     /// Whether a converged step, the first of a motion, is repeated with better start values, which are written to the state.
-    fn improves_start(&mut self, _system: &System, _state: &mut State) -> bool {
+    fn improves_start(&mut self, _system: &System, _newton: &mut Newton, _state: &mut State) -> bool {
         false
     }
     /// Convergence criteria of its iteration.

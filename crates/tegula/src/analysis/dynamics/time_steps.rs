@@ -202,7 +202,7 @@ impl<'a> TimeSteps<'a> {
             Err(diverged) => diverged.iterations,
         });
         match result {
-            Ok(_) if scheme.improves_start(system, state) => {
+            Ok(_) if scheme.improves_start(system, newton, state) => {
                 newton.restore(system, state, true);
                 Ok(Attempt::Repeated)
             }
@@ -317,7 +317,7 @@ impl<'a> TimeSteps<'a> {
             rank,
             ..
         } = self;
-        rank.look(system, newton.schur(), span.end, observer);
+        rank.look(system, newton, state, observer)?;
         if !events.is_empty() {
             // A flight much shorter than a step is the end of an infinite number of impacts.
             let plastic = events.returns() && span.dt < SHORT_FLIGHT * state.next_step;
@@ -342,7 +342,7 @@ impl<'a> TimeSteps<'a> {
         state.step += 1;
         state.next_step = control.next(span.dt, state.next_step, error, converged.tangents);
         if state.next_step > MOST_GROWTH * span.dt {
-            state.acceleration_lag.clear();
+            impact::leave_short_step(system, newton, state)?;
         }
         state.tangent.record_use(converged.iterations, converged.tangents);
         commit(system, newton, state);
