@@ -1,5 +1,6 @@
 //! Rigid elements: `RBE2`.
 
+use super::bars;
 use super::file::File;
 use crate::mesh::MeshError;
 use crate::mesh::numbered::{Parts, Reader, shown};
@@ -13,6 +14,8 @@ pub struct Body {
     pub node: u64,
     /// Nodes of elements that it holds; the independent one where it belongs to an element.
     pub nodes: Vec<u64>,
+    /// Nodes of bars that it holds, and that belong to no shell.
+    pub of_bars: Vec<u64>,
     /// Position of the independent node.
     pub at: [f64; 3],
     /// Line of the card.
@@ -24,6 +27,11 @@ impl Body {
     pub fn set(&self) -> String {
         format!("nodes of {}", self.name)
     }
+
+    /// All nodes that it holds, and the independent one.
+    pub fn held(&self) -> impl Iterator<Item = u64> {
+        [self.node].into_iter().chain(self.nodes.iter().copied()).chain(self.of_bars.iter().copied())
+    }
 }
 
 /// Rigid elements of a file.
@@ -32,6 +40,7 @@ impl Body {
 /// A card is incomplete, does not hold all degrees of freedom, or names unknown nodes.
 pub fn bodies(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec<Body>, MeshError> {
     let known = parts.nodes.keys().copied().collect();
+    let of_bars = bars::nodes(file);
     let mut out: Vec<Body> = Vec::new();
     for card in file.named("RBE2") {
         let label = card.id(reader, 0, "the number")?;
@@ -61,7 +70,8 @@ pub fn bodies(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec
         };
         let mut nodes = plain.list(reader, 3, "a dependent node", &known)?;
         for &of in nodes.iter().chain([&node]) {
-            if !parts.nodes.contains_key(&of) || (of != node && !parts.used.contains(&of)) {
+            let held = of == node || parts.used.contains(&of) || of_bars.contains(&of);
+            if !parts.nodes.contains_key(&of) || !held {
                 let message = match parts.nodes.contains_key(&of) {
                     true => format!("node {of} of RBE2 {label} belongs to no element"),
                     false => format!("RBE2 {label} needs node {of}, which the file does not define"),
@@ -86,8 +96,14 @@ pub fn bodies(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec
         }
         nodes.sort_unstable();
         nodes.dedup();
+        let (nodes, of_bars): (Vec<u64>, Vec<u64>) =
+            nodes.into_iter().partition(|of| parts.used.contains(of));
+        if nodes.is_empty() {
+            let message = format!("RBE2 {label} holds no node of a shell");
+            return Err(reader.error(card.line, message, "let the bars share a node in place of the RBE2"));
+        }
         let at = parts.nodes.get(&node).map_or([0.0; 3], |(position, _)| (*position).into());
-        out.push(Body { name: format!("RBE2 {label}"), node, nodes, at, line: card.line });
+        out.push(Body { name: format!("RBE2 {label}"), node, nodes, of_bars, at, line: card.line });
     }
     Ok(out)
 }
