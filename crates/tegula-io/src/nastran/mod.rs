@@ -52,7 +52,7 @@ use crate::mesh::numbered::{Parts, Reader};
 /// Cards that are read.
 const READ: &[&str] = &[
     "GRID", "CQUAD4", "PSHELL", "PCOMP", "MAT1", "MAT8", "SPC", "SPC1", "SPCADD", "FORCE", "MOMENT", "LOAD",
-    "PLOAD2", "PLOAD4", "GRAV", "EIGRL", "EIGR", "NLPARM", "RBE2", "CBAR", "PBAR", "PBARL", "PARAM",
+    "PLOAD2", "PLOAD4", "GRAV", "EIGRL", "EIGR", "NLPARM", "RBE2", "RBE3", "CBAR", "PBAR", "PBARL", "PARAM",
 ];
 
 /// Coordinate systems, which have no effect: a card that refers to one is refused.
@@ -108,6 +108,7 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     bars::write(&mut out, &frame, &of_bars.unwrap_or_default(), &printed);
     keep.value(held::write(&mut out, &reader, &file, &bulk.parts));
     small_rotations(&mut notes, &control, &bodies, &steps);
+    rotations_of_nodes(&mut notes, &bodies);
     let sets = keep.value(LoadSets::read(&reader, &file, &bulk));
     if let Some(sets) = &sets {
         keep.value(write_loads(&mut out, &reader, sets, steps));
@@ -122,7 +123,7 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     }
 }
 
-/// What makes an analysis one of large displacements: bars, or joints of supported bodies; its name and line.
+/// What makes an analysis one of large displacements: bars, distributing couplings, or joints of supported bodies; its name and line.
 fn jointed(
     (reader, file, parts): (&Reader<'_>, &File<'_>, &Parts),
     frame: &Frame,
@@ -130,7 +131,12 @@ fn jointed(
     let of_bars = frame.lines.first().map(|line| (line.name.clone(), line.line));
     let supports = || supports::supports(reader, file, parts).unwrap_or_default();
     let of_body = |support: Support| support.body.map(|_| (support.target.name, support.line));
-    of_bars.or_else(|| supports().into_iter().find_map(of_body))
+    let bodies = || rigid::bodies(reader, file, parts).unwrap_or_default().into_iter();
+    let of_coupling = || {
+        let body = bodies().find(|body| !body.weighted.is_empty())?;
+        Some((body.name, body.line))
+    };
+    of_bars.or_else(of_coupling).or_else(|| supports().into_iter().find_map(of_body))
 }
 
 /// Makes analyses of small displacements those of large ones where the model has something that moves in these only.
@@ -157,6 +163,17 @@ fn small_rotations(notes: &mut Notes, control: &Control, bodies: &[Body], steps:
     }
 }
 
+/// Notes that rotations of the nodes of distributing couplings have other weights.
+fn rotations_of_nodes(notes: &mut Notes, bodies: &[Body]) {
+    let named = bodies.iter().filter(|body| body.rotations).map(|body| (body.name.as_str(), body.line));
+    let list = listed("", named);
+    if !list.is_empty() {
+        notes.phrases.push(format!(
+            "the components 456 of the nodes of {list}, whose rotations have the weight h²/12 of the thickness h here"
+        ));
+    }
+}
+
 /// One error for all cards that are not read.
 fn unknown(reader: &Reader<'_>, file: &File<'_>) -> Option<MeshError> {
     let known = |name: &str| READ.contains(&name) || SYSTEMS.contains(&name) || bulk::is_refused(name);
@@ -164,12 +181,20 @@ fn unknown(reader: &Reader<'_>, file: &File<'_>) -> Option<MeshError> {
     unread(reader, "", unknown.map(|card| (card.name.as_str(), card.line)))
 }
 
-/// A rigid patch.
+/// A rigid patch, or a distributing coupling.
 fn write_body(out: &mut Document, body: &Body) {
-    out.table(body.line, "[[bodies]]", "RBE2");
+    let list = |names: Vec<String>| format!("[{}]", names.join(", "));
+    out.table(body.line, "[[bodies]]", body.card());
     out.key(body.line, "name", &quoted(&body.name));
     out.key(body.line, "at", &vector(&body.at));
-    out.key(body.line, "attached", &format!("[{}]", quoted(&body.set())));
+    let sets = list(body.sets().iter().map(|(set, _)| quoted(set)).collect());
+    if body.weighted.is_empty() {
+        out.key(body.line, "attached", &sets);
+    } else {
+        out.key(body.line, "distributed", &sets);
+        let weights: Vec<f64> = body.weighted.iter().map(|(weight, _)| *weight).collect();
+        out.key(body.line, "weights", &vector(&weights));
+    }
 }
 
 /// Writes the loads of the analysis, or of each step with its analysis.
@@ -243,6 +268,10 @@ fn warnings(
     notes.warning().into_iter().chain(approximate).chain(unused).chain(lengths).collect()
 }
 
+#[cfg(test)]
+mod bars_tests;
+#[cfg(test)]
+mod coupling_tests;
 #[cfg(test)]
 mod selection_tests;
 #[cfg(test)]

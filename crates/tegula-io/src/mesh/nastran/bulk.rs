@@ -9,7 +9,8 @@ use super::bars::lines::Line;
 use super::bars::{self, frame};
 use super::cards::Card;
 use super::file::File;
-use super::{loads, rigid, supports};
+use super::rigid::{self, Body};
+use super::{loads, supports};
 use crate::mesh::MeshError;
 use crate::mesh::numbered::{Element, MOST_PRINTED, Parts, Reader, shown};
 
@@ -60,10 +61,6 @@ const MODEL: &[(&str, &str)] = &[
     ("CONM2", "give `[[masses]]` in the model file that `tegula convert` writes of the rest"),
     ("RBAR", "give an RBE2"),
     ("RBE1", "give an RBE2"),
-    (
-        "RBE3",
-        "give a body with `distributed` in the model file that `tegula convert` writes of the rest: its weights are areas or lengths",
-    ),
     ("MPC", "equations between degrees of freedom are not read"),
 ];
 
@@ -118,7 +115,7 @@ fn sets(reader: &Reader<'_>, file: &File<'_>, bulk: &mut Bulk) {
     let mut nodes: Vec<(String, Vec<u64>)> = Vec::new();
     let mut elements: Vec<(String, Vec<u64>)> = Vec::new();
     if let Ok(found) = rigid::bodies(reader, file, &bulk.parts) {
-        nodes.extend(found.into_iter().map(|body| (body.set(), body.nodes)));
+        nodes.extend(found.iter().flat_map(Body::sets));
     }
     for found in [supports::on_nodes, supports::supports] {
         let found = found(reader, file, &bulk.parts).unwrap_or_default();

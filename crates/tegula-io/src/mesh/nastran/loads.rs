@@ -78,6 +78,10 @@ pub fn nodal(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec<
         if value == [0.0; 3] {
             continue;
         }
+        let follows = bodies.iter().find(|body| body.node == node && body.translations_alone);
+        if let Some(body) = follows.filter(|_| card == "MOMENT") {
+            return Err(body.no_rotations(reader, line, "a moment acts on"));
+        }
         let of_body = bodies.iter().find(|body| body.node == node).map(|body| &body.name);
         let of = of_body.or_else(|| carriers.get(&node)).filter(|_| !parts.used.contains(&node));
         if let Some(name) = of {

@@ -102,6 +102,11 @@ pub fn on_nodes(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<V
     let mut groups: BTreeMap<(String, Option<[bool; 6]>), usize> = BTreeMap::new();
     for (node, Node { line, card, values }) in nodes {
         if let Some(body) = of_bodies.get(&node) {
+            if let Some((_, line)) =
+                values.iter().skip(3).flatten().next().filter(|_| body.translations_alone)
+            {
+                return Err(body.no_rotations(reader, *line, "a rotation is supported of"));
+            }
             let target = Target { name: body.name.clone(), nodes: Vec::new() };
             out.push(Support { target, line, card, values, body: Some(body.at) });
             continue;

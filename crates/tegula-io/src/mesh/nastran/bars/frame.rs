@@ -133,6 +133,9 @@ fn carried(reader: &Reader<'_>, lines: &[Line], bodies: &[Body]) -> Result<BTree
     let mut out: BTreeMap<u64, String> = BTreeMap::new();
     for body in bodies {
         for node in body.held().filter(|node| nodes.contains(node)) {
+            if body.translations_alone {
+                return Err(body.no_rotations(reader, body.line, "a bar holds"));
+            }
             if let Some(other) = out.insert(node, body.name.clone()).filter(|other| *other != body.name) {
                 return Err(reader.error(
                     body.line,
