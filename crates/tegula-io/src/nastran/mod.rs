@@ -123,7 +123,7 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     }
 }
 
-/// What makes an analysis one of large displacements: bars, distributing couplings, or joints of supported bodies; its name and line.
+/// Name and line of the first part of the model that moves in analyses of large displacements only: bars, a distributing coupling, or a supported body.
 fn jointed(
     (reader, file, parts): (&Reader<'_>, &File<'_>, &Parts),
     frame: &Frame,

@@ -52,6 +52,7 @@ pub struct RigidBody {
     /// Weights of the nodes of the `distributed` sets, a number for each set, in place of the lengths or areas around them. A node of several
     /// sets has the sum of their weights.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(transform = crate::checker::positive_entries)]
     pub weights: Vec<f64>,
     /// Velocity of the mass centre at the start [length/time].
     #[serde(default)]

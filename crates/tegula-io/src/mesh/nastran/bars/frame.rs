@@ -36,7 +36,7 @@ pub struct Frame {
 pub struct Joint {
     /// Name of the joint.
     pub name: String,
-    /// What the cross-section moves with, and its name.
+    /// Both sides: the carrier of the node, and the cross-section.
     pub between: [String; 2],
     /// Place of the cross-section.
     pub at: Vec3,
