@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use proptest::prelude::*;
 use serde_json::Value;
 use tegula::Vec3;
 use tegula::analysis::{Silent, statics};
@@ -11,6 +12,8 @@ use super::convert;
 use super::tests::{json, mistakes, model};
 use crate::deck::Deck;
 use crate::job::{Prepared, prepare};
+use crate::mesh::MeshReader;
+use crate::mesh::nastran::Nastran;
 
 const CONTROL: &str = "SOL 101\nCEND\nSPC = 1\nLOAD = 2\nBEGIN BULK\n";
 const E: f64 = 2.1e5;
@@ -129,7 +132,7 @@ fn shapes_of_sections_have_their_moments() {
 /// An arm across the end of a column: F a³/3EI + F a² h/EI + F h/EA + F a/kGA at its end.
 #[test]
 fn bars_at_an_angle_are_joined_in_their_node() {
-    let (h, a, force) = (60.0, 40.0, 2.0);
+    let (h, a, force): (f64, f64, f64) = (60.0, 40.0, 2.0);
     let deck = [
         CONTROL,
         "GRID,1,,0.,0.,0.\nGRID,2,,0.,0.,60.\nGRID,3,,40.,0.,60.\nGRID,9,,0.,0.,99.\n",
@@ -162,7 +165,7 @@ fn pin_flags_and_supports_of_bars_leave_rotations_free() {
     let solved = Solved::new(&supported);
     near(solved.moved("CBAR 1.2").y, 2.0 * sag(I[0], K[0]), 1e-6);
     near(solved.moved("CBAR 1.2").z, 3.0 * sag(I[1], K[1]), 1e-6);
-    // Held by a planar joint in its middle, half of it is a cantilever.
+    // Constraints of one node are taken together.
     let symmetric = cantilever(PROPERTY, "FORCE,2,5,,1.,0.,2.,0.\n")
         .replace("123456,1\n", "156,1\nSPC1,1,345,1\nSPC1,1,2,1\n");
     assert_eq!(model(&symmetric)["joints"][0]["type"], "fixed");
@@ -227,11 +230,55 @@ fn bars_end_in_the_clamp_of_their_shell() {
     );
     let sag = 10.0 / (3.0 * 2.1e11 * of_ribbed_strip());
     near(-Solved::new(&deck).at(Vec3::new(1.0, 0.05, 0.0)).z, sag, 5e-3);
+    // Where the file is a mesh alone, a set has all supported nodes as without bars.
+    let mesh = Nastran::parse(Path::new("frame.bdf"), deck.as_bytes(), 1.0).unwrap();
+    let count = |set: &str| mesh.nodes_on(set).unwrap().len();
+    assert_eq!(
+        (count("SPC 123456"), count("SPC 123456 beside bars"), count("nodes of CBAR 101")),
+        (3, 2, 21)
+    );
     // A rigid element that holds the end of the bars has a joint with their last cross-section.
     let held = ribbed(RIB, "GRID,99,,1.2,.05,0.\nRBE2,5,99,123456,61,62,63\nSPC1,1,123456,99\n", force);
     let found = model(&held);
     assert_eq!(found["joints"][0]["between"], json(r#"["RBE2 5", "CBAR 101.end"]"#));
     assert_eq!(found["beams"][0]["attached"], json(r#"["nodes of CBAR 101"]"#));
+}
+
+/// A column of 20 bars without shear along x, of the length 1000.
+fn column(control: &str, material: &str, cards: &str) -> String {
+    let mut out = String::from(control);
+    for i in 1..=21 {
+        out += &format!("GRID,{i},,{:?},0.,0.\n", 50.0 * f64::from(i - 1));
+    }
+    for i in 1..=20 {
+        out += &format!("CBAR,{i},7,{i},{},0.,1.,0.\n", i + 1);
+    }
+    out + "PBAR,7,4,100.,2000.,800.,1500.\n" + material + cards
+}
+
+/// On two supports it buckles under π² E I/L² (L. Euler) about its weak axis, y; clamped at one end its lowest frequency is 1.8751² √(EI/ρA L⁴).
+#[test]
+fn a_column_of_bars_has_the_buckling_load_of_euler_and_the_frequency_of_a_cantilever() {
+    let prepared = |deck: String| {
+        let deck = Deck::parse("column.toml", super::tests::text_of(&deck)).unwrap();
+        let prepared = prepare(&deck).unwrap_or_else(|e| panic!("{e}"));
+        (prepared, deck.model.analysis)
+    };
+    let control = "SOL 105\nCEND\nSPC = 1\nSUBCASE 1\nLOAD = 2\nSUBCASE 2\nMETHOD = 3\nBEGIN BULK\n";
+    let cards = "EIGRL,3,,,1\nSPC1,1,1234,1\nSPC1,1,23,21\nFORCE,2,21,,1.,-1.,0.,0.\n";
+    let (column_model, analysis) = prepared(column(control, MATERIAL, cards));
+    let Analysis::Buckling(options) = &analysis else { unreachable!() };
+    let found = tegula::analysis::buckling::run(&column_model.system, options, &mut Silent).unwrap();
+    let euler = std::f64::consts::PI.powi(2) * E * I[1] / 1e6;
+    near(found.modes[0].factor, euler, 5e-3);
+    let control = "SOL 103\nCEND\nSPC = 1\nMETHOD = 3\nBEGIN BULK\n";
+    let clamp = "EIGRL,3,,,1\nSPC1,1,123456,1\n";
+    let (cantilever, _) = prepared(column(control, "MAT1,4,2.1+5,,.3,8.-9\n", clamp));
+    let found = tegula::analysis::modal::run(&cantilever.system, 1, None, &mut Silent).unwrap();
+    near(found.modes[0].omega, 1.8751_f64.powi(2) * (E * I[1] / (8e-9 * A * 1e12)).sqrt(), 5e-3);
+    // Modes need a mass.
+    let message = mistakes(&column(control, MATERIAL, clamp)).remove(0).1;
+    assert!(message.contains("a section constant is 0"), "{message}");
 }
 
 #[test]
@@ -291,12 +338,20 @@ fn bars_that_have_no_counterpart_are_refused_with_element_and_field() {
         let found = mistakes(&changed).remove(0).1;
         assert!(found.starts_with(message), "{found}\nfor {message}");
     }
-    let pinned = deck.replace(bar, "CBAR,1,7,1,2,0.,1.,0.\n,456\n").replace("123456,1", "12346,1");
-    assert!(
-        mistakes(&pinned).is_empty() || mistakes(&pinned)[0].1.contains("pin"),
-        "{:?}",
-        mistakes(&pinned)
-    );
     let loose = deck.replace(bar, "CBAR,1,7,1,2,0.,1.,0.\n,456\n").replace("123456,1", "123456,5");
     assert!(mistakes(&loose)[0].1.starts_with("all bars at node 1 are released there by pin flags"));
+}
+
+proptest! {
+    #[test]
+    fn damaged_bars_never_panic(at in 0_usize..900, with in "[*+,=0-9a-zA-Z .$\t\n-]{0,12}", cut in 0_usize..30) {
+        let more = "CQUAD4,9,3,1,2,4,5\nRBE2,5,3,123456,4,5\nRBE3,6,,5,123,1.,123,1,2,3.,123,4\nFORCE,2,5,,1.,0.,1.,0.\n";
+        let deck = cantilever(PROPERTY, more);
+        let start = at.min(deck.len());
+        let end = (start + cut).min(deck.len());
+        let damaged = format!("{}{with}{}", &deck[..start], &deck[end..]);
+        if let Ok(converted) = convert(Path::new("frame.bdf"), damaged.as_bytes(), "frame.bdf") {
+            let _ = Deck::parse("frame.toml", converted.text);
+        }
+    }
 }
