@@ -217,6 +217,44 @@ fn bars_with_offsets_stiffen_a_plate_on_two_supports() {
     near(-Solved::new(&deck).at(Vec3::new(0.5, 0.05, 0.0)).z, sag, 5e-3);
 }
 
+/// A square plate on supports along its edges with two ribs that cross in its middle: the ribs share a node of the plate, and the deflection is symmetric.
+#[test]
+fn crossing_bars_are_joined_at_the_node_of_the_plate() {
+    let n = 8;
+    let node = |i: usize, j: usize| (n + 1) * i + j + 1;
+    let mut out = String::from(CONTROL);
+    for i in 0..=n {
+        for j in 0..=n {
+            out += &format!("GRID,{},,{:?},{:?},0.\n", node(i, j), i as f64 / n as f64, j as f64 / n as f64);
+            let edge = [i, j].iter().any(|k| k % n == 0);
+            out += &if edge { format!("SPC1,1,3,{}\n", node(i, j)) } else { String::new() };
+        }
+    }
+    for i in 0..n {
+        for j in 0..n {
+            let corners = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
+            out += &format!("CQUAD4,{},3,{}\n", n * i + j + 1, corners.map(|n| n.to_string()).join(","));
+        }
+        let half = n / 2;
+        for (k, [a, b]) in
+            [[node(i, half), node(i + 1, half)], [node(half, i), node(half, i + 1)]].into_iter().enumerate()
+        {
+            out += &format!("CBAR,{},7,{a},{b},0.,0.,1.\n,,,0.,0.,-.02,0.,0.,-.02\n", 100 * (k + 1) + i);
+        }
+    }
+    out += "SPC1,1,12,1\nSPC1,1,2,73\nMAT1,4,2.1+11,,.3\nPSHELL,3,4,.01,4,,4\nPLOAD2,2,-100.,1,THRU,64\n";
+    let found = model(&(out.clone() + RIB));
+    let between = |joint: &Value| joint["between"] == json(r#"["CBAR 100.4", "CBAR 200.4"]"#);
+    assert!(found["joints"].as_array().unwrap().iter().any(between), "{}", found["joints"]);
+    let solved = Solved::new(&(out + RIB));
+    let sag = |x: f64, y: f64| -solved.at(Vec3::new(x, y, 0.0)).z;
+    near(sag(0.25, 0.5), sag(0.5, 0.25), 1e-6);
+    near(sag(0.25, 0.5), sag(0.75, 0.5), 1e-3);
+    // Without ribs 0.00406 q a⁴/D (S. Timoshenko, S. Woinowsky-Krieger, *Theory of plates and shells*, Table 8).
+    let bare = 0.00406 * 100.0 * 12.0 * (1.0 - 0.09) / (2.1e11 * 1e-6);
+    assert!((0.1..0.6).contains(&(sag(0.5, 0.5) / bare)), "{} {bare}", sag(0.5, 0.5));
+}
+
 /// Clamped at one end, sheet and rib bend under a force at the other one by F L³/3EI.
 #[test]
 fn bars_end_in_the_clamp_of_their_shell() {
