@@ -6,6 +6,8 @@
 //! | `analyses` | the analyses of the subcases |
 //! | `parameters` | `PARAM` |
 //! | `materials`, `properties` | `MAT1`, `MAT8`; `PSHELL`, `PCOMP` |
+//! | `bars` | `CBAR` with `PBAR` and `PBARL` |
+//! | `held` | supports |
 //! | `loads` | `LOAD`, `GRAV` and the load sets |
 //! | `notes`, `unused` | what has no effect, and what no analysis uses |
 //!
@@ -13,7 +15,9 @@
 //! without a message.
 
 mod analyses;
+mod bars;
 mod case_control;
+mod held;
 mod loads;
 mod materials;
 mod notes;
@@ -34,21 +38,21 @@ pub use crate::conversion::Converted;
 use crate::conversion::analyses::StepAnalysis;
 use crate::conversion::document::{Document, quoted, vector};
 use crate::conversion::loads::Load;
-use crate::conversion::supports::{self, Restraint};
 use crate::conversion::{
     Errors, Point, distinct, head, listed, unread, write_mesh, write_points, write_steps,
 };
 use crate::mesh::MeshError;
+use crate::mesh::nastran::bars::frame::{self, Frame};
 use crate::mesh::nastran::bulk;
 use crate::mesh::nastran::file::{self, File};
 use crate::mesh::nastran::rigid::{self, Body};
-use crate::mesh::nastran::supports::Support;
+use crate::mesh::nastran::supports::{self, Support};
 use crate::mesh::numbered::{Parts, Reader};
 
 /// Cards that are read.
 const READ: &[&str] = &[
     "GRID", "CQUAD4", "PSHELL", "PCOMP", "MAT1", "MAT8", "SPC", "SPC1", "SPCADD", "FORCE", "MOMENT", "LOAD",
-    "PLOAD2", "PLOAD4", "GRAV", "EIGRL", "EIGR", "NLPARM", "RBE2", "PARAM",
+    "PLOAD2", "PLOAD4", "GRAV", "EIGRL", "EIGR", "NLPARM", "RBE2", "RBE3", "CBAR", "PBAR", "PBARL", "PARAM",
 ];
 
 /// Coordinate systems, which have no effect: a card that refers to one is refused.
@@ -71,14 +75,16 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     let materials = keep.value(materials::materials(&reader, &file, &mut notes));
     let control = keep.value(case_control::control(&reader, &file));
     let parameters = keep.value(parameters::parameters(&reader, &file));
-    let (Some(bulk), Some(materials), Some(control), Some(parameters)) =
-        (bulk, materials, control, parameters)
+    let frame = bulk.as_ref().and_then(|bulk| keep.value(frame::frame(&reader, &file, &bulk.parts)));
+    let (Some(bulk), Some(frame), Some(materials), Some(control), Some(parameters)) =
+        (bulk, frame, materials, control, parameters)
     else {
         return Err(distinct(errors));
     };
-    let steps = keep
+    let mut steps = keep
         .value(analyses::steps(&reader, &file, &control, &parameters, &mut notes.phrases))
         .unwrap_or_default();
+    large_displacements(&mut notes, &mut steps, jointed((&reader, &file, &bulk.parts), &frame));
     let mut out = Document::default();
     head(&mut out, path);
     if let Some((title, line)) = &control.title {
@@ -87,16 +93,22 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     if let [step] = &steps[..] {
         step.analysis.write(&mut out, "[analysis]");
     }
-    let line = file.named("GRID").next().map_or(1, |card| card.line);
-    write_mesh(&mut out, line, "GRID", "nastran", mesh_file);
+    if !bulk.parts.elements.is_empty() || frame.lines.is_empty() {
+        let line = file.named("GRID").next().map_or(1, |card| card.line);
+        write_mesh(&mut out, line, "GRID", "nastran", mesh_file);
+    }
     materials.values().for_each(|material| material.write(&mut out));
     let sections =
         keep.value(properties::sections(&reader, &file, &bulk, &materials, &mut notes)).unwrap_or_default();
     sections.iter().for_each(|section| section.write(&mut out));
     let bodies = keep.value(rigid::bodies(&reader, &file, &bulk.parts)).unwrap_or_default();
     bodies.iter().for_each(|body| write_body(&mut out, body));
-    keep.value(write_supports(&mut out, &reader, &file, &bulk.parts));
+    let printed = bulk::printed(&file, &bulk.parts).into_iter().flat_map(|(_, nodes)| nodes).collect();
+    let of_bars = keep.value(bars::sections(&reader, &file, &frame, &materials, &mut notes));
+    bars::write(&mut out, &frame, &of_bars.unwrap_or_default(), &printed);
+    keep.value(held::write(&mut out, &reader, &file, &bulk.parts));
     small_rotations(&mut notes, &control, &bodies, &steps);
+    rotations_of_nodes(&mut notes, &bodies);
     let sets = keep.value(LoadSets::read(&reader, &file, &bulk));
     if let Some(sets) = &sets {
         keep.value(write_loads(&mut out, &reader, sets, steps));
@@ -111,12 +123,54 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     }
 }
 
+/// Name and line of the first part of the model that moves in analyses of large displacements only: bars, a distributing coupling, or a supported body.
+fn jointed(
+    (reader, file, parts): (&Reader<'_>, &File<'_>, &Parts),
+    frame: &Frame,
+) -> Option<(String, usize)> {
+    let of_bars = frame.lines.first().map(|line| (line.name.clone(), line.line));
+    let supports = || supports::supports(reader, file, parts).unwrap_or_default();
+    let of_body = |support: Support| support.body.map(|_| (support.target.name, support.line));
+    let bodies = || rigid::bodies(reader, file, parts).unwrap_or_default().into_iter();
+    let of_coupling = || {
+        let body = bodies().find(|body| !body.weighted.is_empty())?;
+        Some((body.name, body.line))
+    };
+    of_bars.or_else(of_coupling).or_else(|| supports().into_iter().find_map(of_body))
+}
+
+/// Makes analyses of small displacements those of large ones where the model has something that moves in these only.
+fn large_displacements(notes: &mut Notes, steps: &mut [Step], because: Option<(String, usize)>) {
+    let Some((name, line)) = because else { return };
+    let mut changed = None;
+    for analysis in steps.iter_mut().map(|step| &mut step.analysis).filter(|a| !a.is_nonlinear()) {
+        analysis.keys.retain(|(key, _)| *key != "linear");
+        changed = changed.or(Some((analysis.card, analysis.line)));
+    }
+    if let Some((card, at)) = changed {
+        notes.phrases.push(format!(
+            "small displacements of {card} (line {at}), which may have any size here, as the model has {name} (line {line})"
+        ));
+    }
+}
+
 /// Notes that rigid elements have large rotations here, where those of Nastran have small ones.
 fn small_rotations(notes: &mut Notes, control: &Control, bodies: &[Body], steps: &[Step]) {
     let small = control.solution.0 == Solution::Nonlinear(false);
     let large = steps.iter().any(|step| step.analysis.is_nonlinear());
     if let (Some(Body { name, line, .. }), true) = (bodies.first(), small && large) {
         notes.phrases.push(format!("small rotations of {name} (line {line}), which here may have any size"));
+    }
+}
+
+/// Notes that rotations of the nodes of distributing couplings have other weights.
+fn rotations_of_nodes(notes: &mut Notes, bodies: &[Body]) {
+    let named = bodies.iter().filter(|body| body.rotations).map(|body| (body.name.as_str(), body.line));
+    let list = listed("", named);
+    if !list.is_empty() {
+        notes.phrases.push(format!(
+            "the components 456 of the nodes of {list}, whose rotations have the weight h²/12 of the thickness h here"
+        ));
     }
 }
 
@@ -127,48 +181,20 @@ fn unknown(reader: &Reader<'_>, file: &File<'_>) -> Option<MeshError> {
     unread(reader, "", unknown.map(|card| (card.name.as_str(), card.line)))
 }
 
-/// A rigid patch.
+/// A rigid patch, or a distributing coupling.
 fn write_body(out: &mut Document, body: &Body) {
-    out.table(body.line, "[[bodies]]", "RBE2");
+    let list = |names: Vec<String>| format!("[{}]", names.join(", "));
+    out.table(body.line, "[[bodies]]", body.card());
     out.key(body.line, "name", &quoted(&body.name));
     out.key(body.line, "at", &vector(&body.at));
-    out.key(body.line, "attached", &format!("[{}]", quoted(&body.set())));
-}
-
-/// Supports of nodes and of the bodies of rigid elements.
-fn write_supports(
-    out: &mut Document,
-    reader: &Reader<'_>,
-    file: &File<'_>,
-    parts: &Parts,
-) -> Result<(), MeshError> {
-    let found = crate::mesh::nastran::supports::supports(reader, file, parts)?;
-    let (bodies, nodes): (Vec<Support>, Vec<Support>) =
-        found.into_iter().partition(|support| support.body.is_some());
-    for Support { target, line, card, values, body } in bodies {
-        let free = values.map(|value| value.is_none());
-        let zero = values.iter().flatten().all(|(value, _)| *value == 0.0);
-        let kind = match free {
-            [false, false, false, false, false, false] if zero => "fixed",
-            [false, false, false, true, true, true] if zero => "spherical",
-            _ => {
-                return Err(reader.error(
-                    line,
-                    format!("the independent node of {} is held in some directions only", target.name),
-                    "hold all of them, or 123; give other joints of the body in the model file that `tegula convert` writes",
-                ));
-            }
-        };
-        out.table(line, "[[joints]]", card);
-        out.key(line, "type", &quoted(kind));
-        out.key(line, "name", &quoted(&format!("support of {}", target.name)));
-        out.key(line, "between", &format!("[\"ground\", {}]", quoted(&target.name)));
-        out.key(line, "at", &vector(&body.unwrap_or_default()));
+    let sets = list(body.sets().iter().map(|(set, _)| quoted(set)).collect());
+    if body.weighted.is_empty() {
+        out.key(body.line, "attached", &sets);
+    } else {
+        out.key(body.line, "distributed", &sets);
+        let weights: Vec<f64> = body.weighted.iter().map(|(weight, _)| *weight).collect();
+        out.key(body.line, "weights", &vector(&weights));
     }
-    let restraint =
-        |Support { target, line, card, values, .. }: Support| Restraint { target, line, dofs: values, card };
-    let restraints: Vec<Restraint> = nodes.into_iter().map(restraint).collect();
-    supports::write(out, reader, parts, "[[conditions]]", &restraints)
 }
 
 /// Writes the loads of the analysis, or of each step with its analysis.
@@ -192,7 +218,8 @@ fn points(file: &File<'_>, parts: &Parts) -> Vec<Point> {
     let printed = bulk::printed(file, parts).into_iter();
     printed
         .flat_map(|(line, nodes)| {
-            nodes.into_iter().map(move |node| Point { name: format!("node {node}"), node, line })
+            let of_shells = nodes.into_iter().filter(|node| parts.used.contains(node));
+            of_shells.map(move |node| Point { name: format!("node {node}"), node, line })
         })
         .collect()
 }
@@ -220,7 +247,7 @@ fn warnings(
     for card in file.named("NLPARM").filter(|card| card.count() > 2) {
         notes.add("all fields of NLPARM except the number of increments", card.line);
     }
-    let dropped = crate::mesh::nastran::supports::without_effect(reader, file, parts).unwrap_or_default();
+    let dropped = supports::without_effect(reader, file, parts).unwrap_or_default();
     if let Some((node, line)) = dropped.first() {
         let count = if let [_] = dropped[..] { "" } else { " and other nodes" };
         notes.phrases.push(format!("the support of node {node} (line {line}){count}, as no element has it"));
@@ -241,6 +268,10 @@ fn warnings(
     notes.warning().into_iter().chain(approximate).chain(unused).chain(lengths).collect()
 }
 
+#[cfg(test)]
+mod bars_tests;
+#[cfg(test)]
+mod coupling_tests;
 #[cfg(test)]
 mod selection_tests;
 #[cfg(test)]

@@ -12,7 +12,7 @@ pub(super) const CONTROL: &str = "SOL 101\nCEND\nTITLE = A \"strip\"\nSPC = 1\nL
 /// Strip of two shells in the plane z = 0, normals along z.
 const MESH: &str = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,2.,0.,0.\nGRID,4,,0.,1.,0.\nGRID,5,,1.,1.,0.\nGRID,6,,2.,1.,0.\n\
                     CQUAD4,1,3,1,2,5,4\nCQUAD4,2,3,2,3,6,5\n";
-const SECTION: &str = "PSHELL,3,4,0.5,4,,4\n";
+pub(super) const SECTION: &str = "PSHELL,3,4,0.5,4,,4\n";
 const MATERIAL: &str = "MAT1,4,210.+3,,0.3,7.85-9,1.2-5\n";
 pub(super) const SUPPORT: &str = "SPC1,1,123456,1,4\n";
 pub(super) const LOAD: &str = "FORCE,2,3,,-2.,0.,0.,1.\nFORCE,2,6,,2.,0.,0.,-1.\n";
@@ -366,10 +366,10 @@ fn rigid_elements_are_rigid_patches() {
         ("SPC1,1,123456,1,4", "SPC1,1,123456,1,4,3", "node 3 is supported, and RBE2 1 of line"),
         (
             "SPC1,1,123456,1,4",
-            "SPC1,1,123456,1,4\nSPC1,1,12,9",
-            "the independent node of RBE2 1 is held in some directions only",
+            "SPC1,1,123456,1,4\nSPC,1,9,3,.1",
+            "the displacement 0.1 of RBE2 1 is prescribed",
         ),
-        ("RBE2", "RBE3", "RBE3 is not read"),
+        ("RBE2", "RBE3", "field 3 of RBE3 is 9"),
         (
             "RBE2,1,9,123456,3,6",
             "RBE2,1,9,123456,3\nRBE2,2,9,123456,6",

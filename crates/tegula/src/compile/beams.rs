@@ -7,7 +7,7 @@ use crate::element::beam;
 use crate::element::generalized_law::LinearLaw;
 use crate::element::quadratic::{Members, QuadraticGroup};
 use crate::mesh::Mesh;
-use crate::model::{Beam, BeamSection, Isotropic, Material, Model, RigidBody, SectionConstants};
+use crate::model::{Analysis, Beam, BeamSection, Isotropic, Material, Model, RigidBody, SectionConstants};
 use crate::section::beam::constants;
 use crate::system::{BeamLine, Coordinates};
 
@@ -56,6 +56,11 @@ pub(super) fn sets(model: &Model, mesh: &Mesh, c: &mut Checker) {
     }
 }
 
+/// Whether the analysis needs the masses of beams.
+fn needs_mass(model: &Model) -> bool {
+    !matches!(model.analysis, Analysis::Static(_) | Analysis::Path(_) | Analysis::Buckling(_))
+}
+
 fn section_values(data: &Beam, model: &Model, key: &str, c: &mut Checker) {
     let place = format!("{key}.section");
     match &data.section {
@@ -91,8 +96,14 @@ fn section_values(data: &Beam, model: &Model, key: &str, c: &mut Checker) {
                     "leave the material out, or give a shape of the section",
                 );
             }
-            let values = [s.axial, s.shear[0], s.shear[1], s.bending[0], s.bending[1], s.torsion, s.mass];
-            values.iter().chain(&s.inertia).for_each(|x| c.positive(&place, "a section constant", *x));
+            let stiffness = [s.axial, s.shear[0], s.shear[1], s.bending[0], s.bending[1], s.torsion];
+            stiffness.iter().for_each(|x| c.positive(&place, "a section constant", *x));
+            let inertia = [s.mass, s.inertia[0], s.inertia[1]];
+            if needs_mass(model) {
+                inertia.iter().for_each(|x| c.positive(&place, "a section constant", *x));
+            } else {
+                inertia.iter().for_each(|x| c.not_negative(&place, "a section constant", *x));
+            }
             return;
         }
     }
@@ -103,7 +114,7 @@ fn section_values(data: &Beam, model: &Model, key: &str, c: &mut Checker) {
     };
     match model.materials.get(name) {
         None => c.missing(format!("{key}.material"), "material", name, model.materials.keys()),
-        Some(Material::Isotropic(material)) if material.density > 0.0 => {}
+        Some(Material::Isotropic(material)) if material.density > 0.0 || !needs_mass(model) => {}
         Some(Material::Isotropic(_)) => {
             let message = format!("the density is 0, but beam \"{}\" needs its mass", data.name);
             c.add(format!("materials.{name}.density"), message, "give the density");

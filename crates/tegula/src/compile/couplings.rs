@@ -28,8 +28,18 @@ pub(super) fn has_couplings(model: &Model) -> bool {
     model.bodies.iter().any(|body| !body.distributed.is_empty())
 }
 
-/// Names of bodies that follow nodes: their coupling has columns as a joint has, so that no joint must have the same name.
+/// Weights of bodies that follow nodes, and their names: a coupling has columns as a joint has, so that no joint must have the same name.
 pub(super) fn keys(model: &Model, c: &mut Checker) {
+    for (i, body) in model.bodies.iter().enumerate() {
+        let key = format!("bodies[{i}].weights");
+        let [weights, sets] = [body.weights.len(), body.distributed.len()];
+        if weights > 0 && weights != sets {
+            let message =
+                format!("body \"{}\" has {weights} weights for {sets} `distributed` sets", body.name);
+            c.add(key.as_str(), message, "give a number for each set, or leave `weights` out");
+        }
+        body.weights.iter().for_each(|weight| c.positive(&key, "a weight", *weight));
+    }
     for (i, body) in model.bodies.iter().enumerate().filter(|(_, body)| !body.distributed.is_empty()) {
         if !body.attached.is_empty() {
             c.add(
@@ -66,7 +76,7 @@ pub(super) fn add(
     for (i, body) in model.bodies.iter().enumerate().filter(|(_, body)| !body.distributed.is_empty()) {
         let key = format!("bodies[{i}].distributed");
         let Some(of_body) = end(&place, format!("bodies[{i}].name"), &body.name, &mut c) else { continue };
-        let weights = weights(mesh, &body.distributed);
+        let weights = weights(mesh, body);
         let nodes: Vec<(u32, f64)> =
             weights.into_iter().filter(|(n, _)| coordinates.position_of[*n as usize] != u32::MAX).collect();
         if let Some((message, help)) = unsuitable((mesh, coordinates), body, &nodes, length) {
@@ -156,9 +166,19 @@ fn unsuitable(
     }
 }
 
-/// Nodes of sets with their weights: areas where all sets have elements, else lengths where all nodes lie on edges of the
-/// sets, else 1.
-fn weights(mesh: &Mesh, sets: &[String]) -> BTreeMap<u32, f64> {
+/// Nodes that a body follows, with their weights: those of its sets where they are given, else areas where all sets have elements, else lengths
+/// where all nodes lie on edges of the sets, else 1.
+fn weights(mesh: &Mesh, body: &RigidBody) -> BTreeMap<u32, f64> {
+    let sets = &body.distributed;
+    if !body.weights.is_empty() {
+        let mut given: BTreeMap<u32, f64> = BTreeMap::new();
+        for (set, weight) in sets.iter().zip(&body.weights) {
+            for node in mesh.nodes_on(set).unwrap_or_default() {
+                *given.entry(node).or_default() += weight;
+            }
+        }
+        return given;
+    }
     let nodes: BTreeSet<u32> = sets.iter().flat_map(|set| mesh.nodes_on(set).unwrap_or_default()).collect();
     let positive = |weights: &BTreeMap<u32, f64>| {
         nodes.iter().all(|node| weights.get(node).is_some_and(|weight| *weight > 0.0))

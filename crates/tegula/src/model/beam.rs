@@ -129,8 +129,8 @@ pub struct SectionConstants {
     pub bending: [f64; 2],
     /// Torsional stiffness GJ [force·length²].
     pub torsion: f64,
-    /// Mass per length.
+    /// Mass per length; it may be 0 in statics.
     pub mass: f64,
-    /// Moments of inertia per length about the axes 1 and 2 [mass·length]; that about the axis of the beam is their sum.
+    /// Moments of inertia per length about the axes 1 and 2 [mass·length]; that about the axis of the beam is their sum. They may be 0 in statics.
     pub inertia: [f64; 2],
 }

@@ -49,6 +49,11 @@ pub struct RigidBody {
     /// needs no mass of its own then.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub distributed: Vec<String>,
+    /// Weights of the nodes of the `distributed` sets, a number for each set, in place of the lengths or areas around them. A node of several
+    /// sets has the sum of their weights.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(transform = crate::checker::positive_entries)]
+    pub weights: Vec<f64>,
     /// Velocity of the mass centre at the start [length/time].
     #[serde(default)]
     pub velocity: [f64; 3],
@@ -71,6 +76,7 @@ impl RigidBody {
             axes: axes_of_space(),
             attached: Vec::new(),
             distributed: Vec::new(),
+            weights: Vec::new(),
             velocity: [0.0; 3],
             angular_velocity: [0.0; 3],
         }

@@ -179,6 +179,83 @@ fn a_force_beside_the_mean_of_the_nodes_has_its_moment() {
     assert!(d < 1e-4, "{d:e}");
 }
 
+/// Strip whose corners at the end share the loads of a body by the weights 1 and 3.
+fn weighted(at: [f64; 3]) -> Model {
+    let mut m = with_poisson(strip(ElementKind::Ems, [6, 2], 0.0), 0.3);
+    m.conditions = vec![clamped("u_min")];
+    let body = follower("end", at, &["u_max_v_min", "u_max_v_max"]);
+    m.bodies = vec![RigidBody { weights: vec![1.0, 3.0], ..body }];
+    m
+}
+
+/// A force at the weighted mean of two nodes is a quarter and three quarters of it on them, and the body moves by the weighted mean.
+#[test]
+fn weights_by_number_share_a_force_between_sets() {
+    let m = weighted([LENGTH, 0.75 * WIDTH, 0.0]);
+    let force = Vec3::new(2e-3, -1e-3, 4e-3);
+    let push = |on: &str, part: f64| Load::Force(vector_load(on, (force * part).into()));
+    let (mesh, system, coupled) = solve(&Model { loads: vec![push("end", 1.0)], ..m.clone() });
+    let alone = Model { bodies: Vec::new(), ..m.clone() };
+    let nodal = vec![push("u_max_v_min", 0.25), push("u_max_v_max", 0.75)];
+    let on_nodes = solve(&Model { loads: nodal, ..alone.clone() }).2;
+    let d = difference(&coupled.state.u, &on_nodes.state.u);
+    assert!(d < 1e-8, "{d:e}");
+    let [first, second] =
+        ["u_max_v_min", "u_max_v_max"].map(|set| displacement(&mesh, &system, &coupled.state.u, set));
+    let moved = Vec3::from(coupled.state.u[system.coordinates.bodies[0].centre as usize]);
+    assert!((moved - (first + second * 3.0) / 4.0).norm() < 1e-10 * moved.norm(), "{moved}");
+    // Without loads on the body the strip is as soft as without it.
+    let loads = vec![push("u_max_v_min", 1.0)];
+    let with_body = solve(&Model { loads: loads.clone(), ..m }).2;
+    let d = difference(&with_body.state.u, &solve(&Model { loads, ..alone }).2.state.u);
+    assert!(d < 1e-8, "{d:e}");
+}
+
+/// Forces and moments on a body beside the weighted mean arrive at the clamp.
+#[test]
+fn loads_on_weighted_nodes_balance() {
+    let place_of_body = Vec3::new(1.1, 0.3, 0.05);
+    let mut m = weighted(place_of_body.into());
+    let (force, moment) = (Vec3::new(2e-4, -1e-4, 4e-4), Vec3::new(3e-5, -1e-5, 2e-5));
+    m.loads =
+        vec![Load::Force(vector_load("end", force.into())), Load::Moment(vector_load("end", moment.into()))];
+    let (_, system, outcome) = solve(&m);
+    let balance = ReactionFinder::new(&system, None).find(&system, None, &outcome.state);
+    let clamp = &balance.supports[0];
+    let reaction = Vec3::from(clamp.force);
+    assert!((reaction + force).norm() < 1e-9 * force.norm(), "{reaction}");
+    // Moments count about the middle of the clamp.
+    let arm = place(&system, &outcome.state.u, system.coordinates.bodies[0].centre)
+        - Vec3::new(0.0, 0.5 * WIDTH, 0.0);
+    let expected = arm.cross(&force) + moment;
+    let found = Vec3::from(clamp.moment);
+    assert!((found + expected).norm() < 1e-8 * expected.norm(), "{found} {expected}");
+}
+
+/// Equal weights of the nodes of overlapping sets add: one node in two sets has twice the weight.
+#[test]
+fn a_node_of_two_sets_has_the_sum_of_their_weights() {
+    let mut m = weighted([LENGTH, 0.75 * WIDTH, 0.0]);
+    m.loads = vec![Load::Force(vector_load("end", [0.0, 0.0, 4e-3]))];
+    let once = solve(&m).2.state.u;
+    m.bodies[0].distributed.push("u_max_v_max".into());
+    m.bodies[0].weights = vec![2.0, 2.0, 4.0];
+    let d = difference(&solve(&m).2.state.u, &once);
+    assert!(d < 1e-9, "{d:e}");
+    let mesh = tegula::mesh::generators::generate(&m.mesh).unwrap();
+    for (weights, message) in [
+        (vec![1.0, 2.0], "body \"end\" has 2 weights for 3 `distributed` sets"),
+        (vec![1.0, 0.0, 2.0], "a weight is 0"),
+    ] {
+        m.bodies[0].weights = weights;
+        let Err(Error::Model(issues)) = compile::build(&m, &mesh) else { panic!("{message}") };
+        let found = |issue: &tegula::Issue| {
+            issue.place.key == "bodies[0].weights" && issue.message.starts_with(message)
+        };
+        assert!(issues.iter().any(found), "{issues:?}");
+    }
+}
+
 /// A shell with a spinning body that hangs on its edge flies freely: energy and both momenta stay.
 #[test]
 #[ignore = "long"]

@@ -5,9 +5,12 @@ use std::collections::BTreeSet;
 use tegula::Vec3;
 
 use super::angles::Properties;
+use super::bars::lines::Line;
+use super::bars::{self, frame};
 use super::cards::Card;
 use super::file::File;
-use super::{loads, rigid, supports};
+use super::rigid::{self, Body};
+use super::{loads, supports};
 use crate::mesh::MeshError;
 use crate::mesh::numbered::{Element, MOST_PRINTED, Parts, Reader, shown};
 
@@ -49,14 +52,7 @@ const MESH: &[(&str, &str)] = &[
 
 /// Cards that are not read as a part of a model, with the remedy; where the file is a mesh alone, the model file has their counterparts.
 const MODEL: &[(&str, &str)] = &[
-    (
-        "CBAR",
-        "give stiffeners as CQUAD4, or beams in the model file that `tegula convert` writes of the rest",
-    ),
-    (
-        "CBEAM",
-        "give stiffeners as CQUAD4, or beams in the model file that `tegula convert` writes of the rest",
-    ),
+    ("CBEAM", "give CBAR with PBAR, or beams in the model file that `tegula convert` writes of the rest"),
     ("CROD", "give beams or springs in the model file that `tegula convert` writes of the rest"),
     ("CONROD", "give beams or springs in the model file that `tegula convert` writes of the rest"),
     ("CBUSH", "give `[[bushings]]` in the model file that `tegula convert` writes of the rest"),
@@ -65,10 +61,6 @@ const MODEL: &[(&str, &str)] = &[
     ("CONM2", "give `[[masses]]` in the model file that `tegula convert` writes of the rest"),
     ("RBAR", "give an RBE2"),
     ("RBE1", "give an RBE2"),
-    (
-        "RBE3",
-        "give a body with `distributed` in the model file that `tegula convert` writes of the rest: its weights are areas or lengths",
-    ),
     ("MPC", "equations between degrees of freedom are not read"),
 ];
 
@@ -123,11 +115,15 @@ fn sets(reader: &Reader<'_>, file: &File<'_>, bulk: &mut Bulk) {
     let mut nodes: Vec<(String, Vec<u64>)> = Vec::new();
     let mut elements: Vec<(String, Vec<u64>)> = Vec::new();
     if let Ok(found) = rigid::bodies(reader, file, &bulk.parts) {
-        nodes.extend(found.into_iter().map(|body| (body.set(), body.nodes)));
+        nodes.extend(found.iter().flat_map(Body::sets));
     }
-    if let Ok(found) = supports::supports(reader, file, &bulk.parts) {
+    for found in [supports::on_nodes, supports::supports] {
+        let found = found(reader, file, &bulk.parts).unwrap_or_default();
         nodes.extend(found.into_iter().map(|support| (support.target.name, support.target.nodes)));
     }
+    let frame = frame::frame(reader, file, &bulk.parts).unwrap_or_default();
+    nodes.extend(frame.lines.iter().map(Line::set).zip(frame.attached));
+    nodes.extend(frame.hinged.into_iter().map(|node| (node.to_string(), vec![node])));
     for found in loads::nodal(reader, file, &bulk.parts).unwrap_or_default() {
         if !found.body {
             nodes.push((found.name, found.nodes));
@@ -141,7 +137,8 @@ fn sets(reader: &Reader<'_>, file: &File<'_>, bulk: &mut Bulk) {
         elements.extend(groups.into_iter().map(|group| (group.name, group.elements)));
     }
     for (_, printed) in printed(file, &bulk.parts) {
-        nodes.extend(printed.into_iter().map(|node| (node.to_string(), vec![node])));
+        let of_shells = printed.into_iter().filter(|node| bulk.parts.used.contains(node));
+        nodes.extend(of_shells.map(|node| (node.to_string(), vec![node])));
     }
     for (name, members) in nodes {
         if bulk.parts.node_sets.get(&name).is_none() {
@@ -155,10 +152,11 @@ fn sets(reader: &Reader<'_>, file: &File<'_>, bulk: &mut Bulk) {
     }
 }
 
-/// Nodes of elements whose displacements the case control asks for by a set of few of them, each with the line of the request.
+/// Nodes of shells and bars whose displacements the case control asks for by a set of few of them, each with the line of the request.
 pub fn printed(file: &File<'_>, parts: &Parts) -> Vec<(usize, Vec<u64>)> {
     let mut out: Vec<(usize, Vec<u64>)> = Vec::new();
     let mut taken = BTreeSet::new();
+    let of_bars = bars::nodes(file);
     for command in &file.case {
         if !is_displacement(&command.name) {
             continue;
@@ -169,7 +167,7 @@ pub fn printed(file: &File<'_>, parts: &Parts) -> Vec<(usize, Vec<u64>)> {
             own.then(|| members.split(',').map(|m| m.trim().parse().ok()).collect::<Option<Vec<u64>>>())?
         });
         let Some(nodes) = listed.filter(|nodes| nodes.len() <= MOST_PRINTED) else { continue };
-        if nodes.iter().all(|node| parts.used.contains(node)) {
+        if nodes.iter().all(|node| parts.used.contains(node) || of_bars.contains(node)) {
             out.push((command.line, nodes.into_iter().filter(|node| taken.insert(*node)).collect()));
         }
     }

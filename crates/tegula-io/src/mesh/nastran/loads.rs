@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 
+use super::bars::frame;
 use super::cards::Card;
 use super::file::File;
 use super::rigid;
@@ -21,7 +22,7 @@ pub struct Nodal {
     pub name: String,
     /// The nodes.
     pub nodes: Vec<u64>,
-    /// Whether it acts on the body of a rigid element whose independent node belongs to no element.
+    /// Whether it acts on a cross-section of bars, or on the body of a rigid element, whose node belongs to no shell.
     pub body: bool,
     /// Components.
     pub value: [f64; 3],
@@ -70,23 +71,22 @@ pub fn nodal(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec<
         }
     }
     let bodies = rigid::bodies(reader, file, parts)?;
+    let carriers = frame::frame(reader, file, parts).unwrap_or_default().carriers;
     let mut out: Vec<Nodal> = Vec::new();
     let mut index: BTreeMap<(u64, &str, [u64; 3]), usize> = BTreeMap::new();
     for ((set, card, node), (value, line)) in sums {
         if value == [0.0; 3] {
             continue;
         }
-        let of = bodies.iter().find(|body| body.node == node && !parts.used.contains(&node));
-        if let Some(body) = of {
-            out.push(Nodal {
-                set,
-                card,
-                name: body.name.clone(),
-                nodes: Vec::new(),
-                body: true,
-                value,
-                line,
-            });
+        let follows = bodies.iter().find(|body| body.node == node && body.translations_alone);
+        if let Some(body) = follows.filter(|_| card == "MOMENT") {
+            return Err(body.no_rotations(reader, line, "a moment acts on"));
+        }
+        let of_body = bodies.iter().find(|body| body.node == node).map(|body| &body.name);
+        let of = of_body.or_else(|| carriers.get(&node)).filter(|_| !parts.used.contains(&node));
+        if let Some(name) = of {
+            let name = name.clone();
+            out.push(Nodal { set, card, name, nodes: Vec::new(), body: true, value, line });
             continue;
         }
         if !parts.used.contains(&node) {
@@ -97,7 +97,7 @@ pub fn nodal(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec<
             return Err(reader.error(
                 line,
                 message,
-                "load nodes of elements, or the independent node of an RBE2",
+                "load nodes of shells or of bars that are not released there, or the independent node of an RBE2",
             ));
         }
         // A zero of either sign is the same value.

@@ -5,15 +5,17 @@
 //! | `GRID` | nodes |
 //! | `CQUAD4` | quads |
 //! | the elements of a property | a quad set, such as `property 3` |
-//! | nodes of supports and loads that the case control selects, or of `RBE2` | node sets |
+//! | nodes of supports and loads that the case control selects, or of `RBE2`, `RBE3` and `CBAR` | node sets |
 //!
 //! Nodes are ordered by their numbers, quads as in the file; nodes of no quad are dropped. The mesh keeps the numbers of the file as labels.
 //! Cards of the model are skipped here: [`crate::nastran`] reads them.
 
 pub mod angles;
+pub mod bars;
 pub mod bulk;
 pub mod cards;
 pub mod file;
+pub mod interpolation;
 pub mod loads;
 pub mod numbers;
 pub mod rigid;

@@ -1,18 +1,27 @@
-//! Rigid elements: `RBE2`.
+//! Rigid elements, `RBE2`, and interpolation elements, `RBE3`: the bodies that they are.
 
 use super::file::File;
+use super::{bars, interpolation};
 use crate::mesh::MeshError;
 use crate::mesh::numbered::{Parts, Reader, shown};
 
-/// A rigid element.
+/// A rigid element or an interpolation element.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Name of the body.
     pub name: String,
-    /// Independent node, which gives the place of the body.
+    /// Independent node, or reference node, which gives the place of the body.
     pub node: u64,
     /// Nodes of elements that it holds; the independent one where it belongs to an element.
     pub nodes: Vec<u64>,
+    /// Nodes of bars that it holds, and that belong to no shell.
+    pub of_bars: Vec<u64>,
+    /// Nodes whose mean motion it follows, by their weights.
+    pub weighted: Vec<(f64, Vec<u64>)>,
+    /// Whether rotations of these nodes are to take part.
+    pub rotations: bool,
+    /// Whether the reference node follows displacements alone.
+    pub translations_alone: bool,
     /// Position of the independent node.
     pub at: [f64; 3],
     /// Line of the card.
@@ -24,14 +33,68 @@ impl Body {
     pub fn set(&self) -> String {
         format!("nodes of {}", self.name)
     }
+
+    /// Card that it comes from.
+    pub fn card(&self) -> &'static str {
+        if self.weighted.is_empty() { "RBE2" } else { "RBE3" }
+    }
+
+    /// Names of the sets of the nodes that it follows, with weights and nodes.
+    pub fn weighted_sets(&self) -> impl Iterator<Item = (String, f64, &[u64])> {
+        let name = |i: usize| match self.weighted.len() {
+            1 => self.set(),
+            _ => format!("{} no {}", self.set(), i + 1),
+        };
+        self.weighted.iter().enumerate().map(move |(i, (weight, nodes))| (name(i), *weight, &nodes[..]))
+    }
+
+    /// Error of what needs the rotations of a reference node that has none.
+    pub fn no_rotations(&self, reader: &Reader<'_>, line: usize, what: &str) -> MeshError {
+        reader.error(
+            line,
+            format!("{what} node {}, which follows displacements alone by REFC of {}", self.node, self.name),
+            "write 123456 in REFC",
+        )
+    }
+
+    /// Names and nodes of all sets that it needs.
+    pub fn sets(&self) -> Vec<(String, Vec<u64>)> {
+        let weighted = self.weighted_sets().map(|(name, _, nodes)| (name, nodes.to_vec()));
+        if self.weighted.is_empty() { vec![(self.set(), self.nodes.clone())] } else { weighted.collect() }
+    }
+
+    /// All nodes that it holds, and the independent one.
+    pub fn held(&self) -> impl Iterator<Item = u64> {
+        [self.node].into_iter().chain(self.nodes.iter().copied()).chain(self.of_bars.iter().copied())
+    }
 }
 
-/// Rigid elements of a file.
+/// Bodies of the rigid elements and the interpolation elements of a file.
 ///
 /// # Errors
-/// A card is incomplete, does not hold all degrees of freedom, or names unknown nodes.
+/// A card is incomplete, has components that are not read, or names unknown nodes.
 pub fn bodies(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec<Body>, MeshError> {
+    let mut out = rigid(reader, file, parts)?;
+    for body in interpolation::bodies(reader, file, parts)? {
+        if let Some(other) = out.iter().find(|other| other.node == body.node || other.name == body.name) {
+            return Err(reader.error(
+                body.line,
+                format!(
+                    "{} has the same number or the same node as {} on line {}",
+                    body.name, other.name, other.line
+                ),
+                "give each its own number and its own reference node",
+            ));
+        }
+        out.push(body);
+    }
+    Ok(out)
+}
+
+/// Bodies of rigid elements.
+fn rigid(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec<Body>, MeshError> {
     let known = parts.nodes.keys().copied().collect();
+    let of_bars = bars::nodes(file);
     let mut out: Vec<Body> = Vec::new();
     for card in file.named("RBE2") {
         let label = card.id(reader, 0, "the number")?;
@@ -61,7 +124,8 @@ pub fn bodies(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec
         };
         let mut nodes = plain.list(reader, 3, "a dependent node", &known)?;
         for &of in nodes.iter().chain([&node]) {
-            if !parts.nodes.contains_key(&of) || (of != node && !parts.used.contains(&of)) {
+            let held = of == node || parts.used.contains(&of) || of_bars.contains(&of);
+            if !parts.nodes.contains_key(&of) || !held {
                 let message = match parts.nodes.contains_key(&of) {
                     true => format!("node {of} of RBE2 {label} belongs to no element"),
                     false => format!("RBE2 {label} needs node {of}, which the file does not define"),
@@ -86,8 +150,24 @@ pub fn bodies(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec
         }
         nodes.sort_unstable();
         nodes.dedup();
+        let (nodes, of_bars): (Vec<u64>, Vec<u64>) =
+            nodes.into_iter().partition(|of| parts.used.contains(of));
+        if nodes.is_empty() {
+            let message = format!("RBE2 {label} holds no node of a shell");
+            return Err(reader.error(card.line, message, "let the bars share a node in place of the RBE2"));
+        }
         let at = parts.nodes.get(&node).map_or([0.0; 3], |(position, _)| (*position).into());
-        out.push(Body { name: format!("RBE2 {label}"), node, nodes, at, line: card.line });
+        out.push(Body {
+            name: format!("RBE2 {label}"),
+            node,
+            nodes,
+            of_bars,
+            weighted: Vec::new(),
+            rotations: false,
+            translations_alone: false,
+            at,
+            line: card.line,
+        });
     }
     Ok(out)
 }

@@ -5,6 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::bars::{self, frame};
 use super::cards::Field;
 use super::file::File;
 use super::rigid;
@@ -38,16 +39,56 @@ struct Node {
     values: Values,
 }
 
-/// Supports of the set that the case control selects, and permanent ones.
+/// Supports of the set that the case control selects, and permanent ones. Those of nodes that move with bodies or bars are supports of these.
 ///
 /// # Errors
 /// The first mistake of a card.
 pub fn supports(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec<Support>, MeshError> {
+    let carriers = frame::frame(reader, file, parts).unwrap_or_default().carriers;
+    let position = |node: u64| parts.nodes.get(&node).map(|(position, _)| (*position).into());
+    let carried = |support: &Support, node: u64, name: &str| Support {
+        target: Target { name: name.to_owned(), nodes: Vec::new() },
+        body: position(node),
+        ..support.clone()
+    };
+    let mut out = Vec::new();
+    for mut support in on_nodes(reader, file, parts)? {
+        let with_bars = |node: &u64| carriers.contains_key(node);
+        if support.body.is_some() || !support.target.nodes.iter().any(with_bars) {
+            out.push(support);
+            continue;
+        }
+        let (of_bars, others): (Vec<u64>, Vec<u64>) = support.target.nodes.iter().partition(|n| with_bars(n));
+        let names = of_bars.iter().filter_map(|node| Some((*node, carriers.get(node)?)));
+        out.extend(names.map(|(node, name)| carried(&support, node, name)));
+        if !others.is_empty() {
+            let name = format!("{} beside bars", support.target.name);
+            support.target = Target { name, nodes: others };
+            out.push(support);
+        }
+    }
+    for (node, Node { line, card, values }) in constrained(reader, file, parts)? {
+        if let Some(name) = carriers.get(&node).filter(|_| !parts.used.contains(&node)) {
+            let target = Target { name: name.clone(), nodes: Vec::new() };
+            out.push(Support { target, line, card, values, body: position(node) });
+        }
+    }
+    out.sort_by_key(|support| support.line);
+    Ok(out)
+}
+
+/// Supports of nodes of shells and of the bodies of rigid elements, as if there were no bars.
+///
+/// # Errors
+/// The first mistake of a card.
+pub fn on_nodes(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec<Support>, MeshError> {
     let nodes = constrained(reader, file, parts)?;
     let bodies = rigid::bodies(reader, file, parts)?;
     let mut of_bodies: BTreeMap<u64, &rigid::Body> = BTreeMap::new();
     for body in &bodies {
-        if let Some((node, found)) = body.nodes.iter().find_map(|node| Some((node, nodes.get(node)?))) {
+        if let Some((node, found)) =
+            body.nodes.iter().chain(&body.of_bars).find_map(|node| Some((node, nodes.get(node)?)))
+        {
             return Err(reader.error(
                 found.line,
                 format!("node {node} is supported, and {} of line {} holds it", body.name, body.line),
@@ -61,6 +102,11 @@ pub fn supports(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<V
     let mut groups: BTreeMap<(String, Option<[bool; 6]>), usize> = BTreeMap::new();
     for (node, Node { line, card, values }) in nodes {
         if let Some(body) = of_bodies.get(&node) {
+            if let Some((_, line)) =
+                values.iter().skip(3).flatten().next().filter(|_| body.translations_alone)
+            {
+                return Err(body.no_rotations(reader, *line, "a rotation is supported of"));
+            }
             let target = Target { name: body.name.clone(), nodes: Vec::new() };
             out.push(Support { target, line, card, values, body: Some(body.at) });
             continue;
@@ -91,7 +137,21 @@ pub fn supports(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<V
     Ok(out)
 }
 
-/// Supported nodes that belong to no element and are the independent node of no rigid element, with the lines of their supports.
+/// Degrees of freedom that are fixed, by the numbers of the nodes.
+///
+/// # Errors
+/// The first mistake of a card.
+pub fn held(
+    reader: &Reader<'_>,
+    file: &File<'_>,
+    parts: &Parts,
+) -> Result<BTreeMap<u64, [bool; 6]>, MeshError> {
+    let fixed = |value: Option<(f64, usize)>| value.is_some_and(|(value, _)| value == 0.0);
+    let nodes = constrained(reader, file, parts)?.into_iter();
+    Ok(nodes.map(|(node, found)| (node, found.values.map(fixed))).collect())
+}
+
+/// Supported nodes that belong to no shell or bar and are the independent node of no rigid element, with the lines of their supports.
 ///
 /// # Errors
 /// The first mistake of a card.
@@ -100,8 +160,8 @@ pub fn without_effect(
     file: &File<'_>,
     parts: &Parts,
 ) -> Result<Vec<(u64, usize)>, MeshError> {
-    let bodies: BTreeSet<u64> =
-        rigid::bodies(reader, file, parts)?.into_iter().map(|body| body.node).collect();
+    let mut bodies = bars::nodes(file);
+    bodies.extend(rigid::bodies(reader, file, parts)?.into_iter().map(|body| body.node));
     let nodes = constrained(reader, file, parts)?.into_iter();
     let dropped = nodes.filter(|(node, _)| !parts.used.contains(node) && !bodies.contains(node));
     Ok(dropped.map(|(node, found)| (node, found.line)).collect())
