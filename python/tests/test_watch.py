@@ -130,7 +130,7 @@ class Watching(InBrowser):
         titles = [title.text for title in self.browser.find_elements(By.CSS_SELECTOR, ".u-title")]
         self.assertEqual(titles, ["displacement of tip", "energies", "step size"])
         number, x, y = self.drawn()
-        self.assertGreater(number, 5000)
+        self.assertGreater(number, 1500)
         rows, shape = self.value("[page.curves.rows, page.known.shape]")
         points = "page.curves.plots.get('energies').plot.data[0].length"
         before, meshes = self.value(points), self.value("(window.kept = page.stage.viewer.meshes[0], 1)")

@@ -81,7 +81,7 @@ fn the_button_ends_a_run_as_an_interrupt_does() {
 fn pages_show_runs_that_fail_and_the_program_ends_when_that_is_fetched() {
     let folder = tempfile::tempdir().unwrap();
     let hasty = "type = \"static\"\nmax_iterations = 2\nmax_cutbacks = 1";
-    let changes = [("type = \"static\"", hasty), ("[16, 16]", "[4, 4]")];
+    let changes = [("type = \"static\"", hasty), ("[32, 32]", "[8, 8]")];
     let model = changed(folder.path(), "quarter_cylinder_static.toml", &changes);
     let run = Run::start(&model, &folder.path().join("out"));
     let begun = Instant::now();
