@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import shutil
 import subprocess
 import time
 import unittest
@@ -20,7 +19,7 @@ except ImportError:
     pass
 
 ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = os.environ.get("TEGULA_PROGRAM") or shutil.which("target/release/tegula", path=str(ROOT))
+PROGRAM = Path(os.environ.get("TEGULA_PROGRAM", ROOT / "target" / "release" / "tegula"))
 # It swings for hours.
 PENDULUM = """
 title = "Plate that swings <down> & up"
@@ -56,12 +55,12 @@ pictures = false
 
 def program() -> str:
     """The compiled program."""
-    path = PROGRAM or str(ROOT / "target/release/tegula")
-    if not Path(path).is_file():
+    if not PROGRAM.is_file():
+        message = f"{PROGRAM} is missing: build it by `cargo build --release`, or name it in TEGULA_PROGRAM"
         if os.environ.get("TEGULA_BROWSER"):
-            raise FileNotFoundError(f"{path} is missing: build it by `cargo build --release`, or name it in TEGULA_PROGRAM")
-        raise unittest.SkipTest(f"{path} is missing")
-    return path
+            raise FileNotFoundError(message)
+        raise unittest.SkipTest(message)
+    return str(PROGRAM)
 
 
 class Run:

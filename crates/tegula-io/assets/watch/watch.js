@@ -174,7 +174,7 @@ class LiveCurves {
     else this.loads(points.flatMap((p) => ["ux", "uy", "uz"].map((c) => `${p}.${c}`)), size, position);
     const [x, xs] = position ? ["position on the path", position] : [parameter, first];
     this.chart("energies", "energy", x, xs, named(this.dynamic ? ["kinetic", "strain", "total"] : ["strain", "total"]));
-    this.chart(this.dynamic ? "step size" : "increment of the load factor", "step size", x, xs, named(["step_size"]));
+    this.chart(this.dynamic ? "step size" : "increment of the load factor", "step size", x, xs, named(["step_size"]).map((c) => ({ ...c, name: "step size" })));
   }
 
   /** Load factor over the displacements that are not round-off. */
