@@ -27,6 +27,7 @@ title = "Plate that swings <down> & up"
 type = "transient"
 end_time = 1e5
 time_step = 0.01
+scheme = { type = "energy-momentum" }
 [mesh]
 type = "plate"
 size = [1.0, 0.5]
