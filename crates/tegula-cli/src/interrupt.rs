@@ -22,6 +22,13 @@ pub fn listen() {
     }
 }
 
+/// Asks to stop, as a signal does.
+pub fn request() {
+    if let Some(stop) = INTERRUPTED.get() {
+        stop.store(true, Ordering::Relaxed);
+    }
+}
+
 /// Whether the user has asked to stop.
 pub fn requested() -> bool {
     INTERRUPTED.get().is_some_and(|stop| stop.load(Ordering::Relaxed))

@@ -24,6 +24,7 @@ mod run;
 mod schema;
 mod threads;
 mod verify;
+mod watched;
 
 use std::process::ExitCode;
 

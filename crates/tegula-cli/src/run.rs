@@ -9,6 +9,7 @@ use tegula_io::out::numbers::{counted, duration, significant};
 
 use crate::progress::{Detail, ProgressLine};
 use crate::report::Failure;
+use crate::watched::{self, Watched};
 use crate::{html_report, interrupt, threads};
 
 /// Arguments of `tegula run`.
@@ -31,6 +32,9 @@ pub struct Arguments {
     /// Write `report.html` into the result folder: the run in a browser, with moving shapes and curves
     #[arg(long)]
     report: bool,
+    /// Print the address of a page on this computer that shows the run while it goes on: shape, curves, progress, and a button to stop it
+    #[arg(long)]
+    watch: bool,
     /// Print errors only
     #[arg(short, long, conflicts_with = "verbose")]
     quiet: bool,
@@ -48,16 +52,28 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let deck = Deck::read(&arguments.model).map_err(Failure::Model)?;
     let folder = arguments.out.clone().unwrap_or_else(|| default_folder(&deck.path));
     interrupt::listen();
-    let mut line = ProgressLine::new(match (arguments.quiet, arguments.verbose) {
+    let page = if arguments.watch { Some(watched::serve()?) } else { None };
+    let line = ProgressLine::new(match (arguments.quiet, arguments.verbose) {
         (true, _) => Detail::Nothing,
         (_, true) => Detail::Everything,
         _ => Detail::Progress,
     });
     let options = JobOptions { folder: folder.clone(), resume: arguments.resume, force: arguments.force };
-    let outcome = job::run(&deck, &options, &mut line);
-    line.close();
+    let mut watched = Watched { line, page };
+    let outcome = job::run(&deck, &options, &mut watched);
+    watched.line.close();
+    if let Some(page) = &mut watched.page {
+        page.end(&outcome);
+    }
+    let told = conclude(arguments, &folder, outcome);
+    watched.close();
+    told
+}
+
+/// Writes the report, and prints the findings of a run.
+fn conclude(arguments: &Arguments, folder: &Path, outcome: Result<Summary, JobError>) -> Result<(), Failure> {
     let reported = if arguments.report && folder.join("summary.json").is_file() && reportable(&outcome) {
-        html_report::write(&folder, &folder.join("report.html"))
+        html_report::write(folder, &folder.join("report.html"))
     } else {
         Ok(())
     };
@@ -66,7 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.json {
         say!("{}", as_json(&summary)?);
     } else if !arguments.quiet {
-        print(&summary, &folder);
+        print(&summary, folder);
     }
     reported
 }

@@ -11,3 +11,4 @@ pub mod out;
 pub mod plot;
 pub mod render;
 pub mod report;
+pub mod watch;

@@ -14,6 +14,7 @@ mod paths;
 mod renders;
 mod reports;
 mod structures;
+mod watching;
 
 fn tegula(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tegula")).args(arguments).output().unwrap()

@@ -11,9 +11,9 @@ function plotOptions(box, title, x, y) {
 }
 
 /** Draws the polyline of a series of a diagram; parts of unstable equilibria are dashed, critical points are marks. */
-function polyline(dashed, marks) {
+function polyline(curve) {
   return (u, index) => {
-    const [xs, ys] = u.data[index], { ctx } = u, place = (x, y) => [u.valToPos(x, "x", true), u.valToPos(y, "y", true)];
+    const { dashed, marks } = curve, [xs, ys] = u.data[index], { ctx } = u, place = (x, y) => [u.valToPos(x, "x", true), u.valToPos(y, "y", true)];
     ctx.save();
     ctx.beginPath();
     ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
@@ -51,7 +51,8 @@ function roomy(low, high) {
   return high - low > 1e-9 * size ? uPlot.rangeNum(low, high, 0.1, true) : [low - margin, high + margin];
 }
 
-/** Diagram of curves whose abscissa need not increase: `curves` have a name, xs, ys, dashed (for each point) or marks. */
+/** Diagram of curves whose abscissa need not increase: `curves` have a name, xs, ys, dashed (for each point) or marks. The plot that is returned shows by
+ * `renew` what has become of them. */
 function diagram(holder, title, x, y, curves) {
   const box = document.createElement("div");
   holder.append(box);
@@ -64,7 +65,7 @@ function diagram(holder, title, x, y, curves) {
     const size = Math.max(Math.abs(low), Math.abs(high)), margin = high - low > 1e-9 * size ? 0.05 * (high - low) : 0.05 * size || 1;
     return [low - margin, high + margin];
   };
-  const whole = { x: extent("xs"), y: extent("ys") };
+  let whole = { x: extent("xs"), y: extent("ys") };
   const range = (key) => (u, low, high) => (u.zoomed && high - low > 1e-9 * (whole[key][1] - whole[key][0]) ? [low, high] : whole[key]);
   options.mode = 2;
   options.scales = { x: { time: false, range: range("x") }, y: { range: range("y") } };
@@ -72,19 +73,23 @@ function diagram(holder, title, x, y, curves) {
   options.legend = { live: false };
   options.series = [null, ...curves.map((curve, i) => ({
     label: curve.name, stroke: INKS[(curve.ink ?? i) % INKS.length], colour: INKS[(curve.ink ?? i) % INKS.length],
-    facets: [{ scale: "x", auto: true }, { scale: "y", auto: true }], paths: polyline(curve.dashed, curve.marks),
+    facets: [{ scale: "x", auto: true }, { scale: "y", auto: true }], paths: polyline(curve),
   }))];
   options.hooks = { setSelect: [(u) => (u.zoomed = u.select.width > 0)] };
-  const plot = new uPlot(options, [null, ...curves.map((c) => [Array.from(c.xs), Array.from(c.ys)])], box);
+  const data = () => [null, ...curves.map((c) => [Array.from(c.xs), Array.from(c.ys)])], plot = new uPlot(options, data(), box);
   plot.over.addEventListener("dblclick", () => {
     plot.zoomed = false;
     plot.setScale("x", { min: whole.x[0], max: whole.x[1] });
     plot.setScale("y", { min: whole.y[0], max: whole.y[1] });
   });
+  plot.renew = () => {
+    whole = { x: extent("xs"), y: extent("ys") };
+    renewed(plot, data());
+  };
   return sized(plot, box);
 }
 
-/** Curves over an increasing abscissa. */
+/** Curves over an increasing abscissa. The plot that is returned shows others of the same names by `renew`. */
 function chart(holder, title, x, y, xs, curves, logarithmic = false) {
   const box = document.createElement("div");
   holder.append(box);
@@ -98,13 +103,23 @@ function chart(holder, title, x, y, xs, curves, logarithmic = false) {
   }
   else options.scales.y = { range: (u, low, high) => roomy(low, high) };
   const value = (u, v) => shortNumber(v);
-  options.series = [{ label: x, value }, ...curves.map((curve, i) => ({ label: curve.name, stroke: INKS[i % INKS.length], width: 2, value, points: { show: xs.length < 40 } }))];
+  options.series = [{ label: x, value }, ...curves.map((curve, i) => ({ label: curve.name, stroke: INKS[i % INKS.length], width: 2, value, points: { show: (u) => u.data[0].length < 40 } }))];
   const clean = (values) => Array.from(values, (v) => (Number.isFinite(v) && (!logarithmic || v > 0) ? v : null));
-  return sized(new uPlot(options, [Array.from(xs), ...curves.map((c) => clean(c.ys))], box), box);
+  options.hooks = { setSelect: [(u) => (u.zoomed = u.select.width > 0)] };
+  const data = (xs, curves) => [Array.from(xs), ...curves.map((c) => clean(c.ys))], plot = new uPlot(options, data(xs, curves), box);
+  plot.over.addEventListener("dblclick", () => (plot.zoomed = false));
+  plot.renew = (xs, curves) => renewed(plot, data(xs, curves));
+  return sized(plot, box);
+}
+
+/** Shows other data in a plot; a part that was chosen stays. */
+function renewed(plot, data) {
+  plot.setData(data, !plot.zoomed);
+  if (plot.zoomed) plot.redraw();
 }
 
 /** Keeps a plot as wide as its place. */
 function sized(plot, box) {
-  new ResizeObserver(() => plot.setSize({ width: Math.max(280, box.clientWidth), height: 280 })).observe(box);
+  new ResizeObserver(() => box.isConnected && plot.setSize({ width: Math.max(280, box.clientWidth), height: 280 })).observe(box);
   return plot;
 }

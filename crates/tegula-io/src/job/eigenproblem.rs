@@ -30,6 +30,7 @@ pub(super) fn run<T>(
     let mut folder = ResultFolder::start(&options.folder, &claim(deck, prepared, options))?;
     let start = start(deck, prepared, None);
     watch.on_start(&start);
+    watch.on_model(prepared, &[]);
     let mut summary = summary(deck, prepared, &start);
     summary.write(folder.path())?;
     let mut forward = Forward {

@@ -49,6 +49,8 @@ mod summary;
 
 use std::path::PathBuf;
 
+use tegula::analysis::State;
+
 use crate::deck::Diagnostic;
 use crate::out::OutputError;
 
@@ -119,12 +121,29 @@ pub struct Progress {
     pub end: f64,
 }
 
+/// State behind a finished step, and its row of the history.
+#[derive(Clone, Copy)]
+pub struct RecordedStep<'a> {
+    /// Model and mesh.
+    pub prepared: &'a Prepared,
+    /// State at the end of the step.
+    pub state: &'a State,
+    /// Row of the history.
+    pub row: &'a [f64],
+}
+
 /// Observer of a job: a progress line, a window, a test.
 pub trait JobObserver {
     /// The model is compiled, the folder is ready, the analysis starts.
     fn on_start(&mut self, _start: &Start) {}
+    /// Model and mesh of the analysis that starts, and the columns of its history; modal and buckling analyses have none.
+    fn on_model(&mut self, _prepared: &Prepared, _columns: &[String]) {}
     /// A step is finished and recorded.
     fn on_step(&mut self, _progress: &Progress) {}
+    /// State and history of the step that `on_step` has announced.
+    fn on_recorded_step(&mut self, _step: &RecordedStep<'_>) {}
+    /// Last state of the analysis, also where it has failed or was interrupted.
+    fn on_last_state(&mut self, _prepared: &Prepared, _state: &State) {}
     /// Event of interest to the user; it is also written to `log.txt`.
     fn on_event(&mut self, _message: &str) {}
     /// Warning of input that is most likely not intended, or of unreliable results; it is also written to `log.txt`.

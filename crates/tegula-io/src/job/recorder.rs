@@ -14,8 +14,8 @@ use super::resume::{CheckpointData, RunCounters};
 use super::series::{FieldSeries, STATES};
 use super::summary::{PointResult, Status, Summary};
 use super::{
-    JobObserver, Prepared, Progress, ResultFolder, Start, critical_modes, fields, forces, frames, process,
-    snapshots,
+    JobObserver, Prepared, Progress, RecordedStep, ResultFolder, Start, critical_modes, fields, forces,
+    frames, process, snapshots,
 };
 use crate::deck::Diagnostic;
 use crate::out::{HistoryWriter, OutputError};
@@ -69,6 +69,7 @@ impl<'a> Recorder<'a> {
         let csv = folder.file("history.csv");
         let mut missing = 0;
         let rows = HistoryRows::new(model, prepared);
+        watch.on_model(prepared, rows.columns());
         let (history, series) = match &memory {
             None => (
                 HistoryWriter::create(&csv, rows.columns())?,
@@ -179,6 +180,9 @@ impl<'a> Recorder<'a> {
         let regular = self.memory.notes;
         let pictures = self.memory.kept.len();
         let any = !self.memory.state.u.is_empty();
+        if any {
+            self.watch.on_last_state(self.prepared, &self.memory.state);
+        }
         if any && (regular.frames == 0 || frames::place(&self.memory.state) != regular.last_frame) {
             self.frame()?;
         }
@@ -310,6 +314,8 @@ impl<'a> Recorder<'a> {
             end: step.end,
         };
         self.watch.on_step(&progress);
+        let Self { prepared, memory, .. } = self;
+        self.watch.on_recorded_step(&RecordedStep { prepared, state: &memory.state, row: &row });
         Ok(())
     }
 

@@ -28,6 +28,8 @@ use blocks::Blocks;
 use history::Table;
 use scene::{Kind, List, Scene};
 
+pub(crate) use page::{STYLE, VIEWER_SCRIPTS, colours};
+
 /// Characters of all blocks of a report beyond which no fields are added.
 const MOST_CHARACTERS: usize = 28_000_000;
 

@@ -8,17 +8,18 @@ use crate::job::{Status, Summary};
 use crate::out::vtu::escape;
 use crate::plot::colour::{PALETTE, Rgb, VIRIDIS};
 
-const STYLE: [&str; 2] =
+/// Style of a page.
+pub(crate) const STYLE: [&str; 2] =
     [include_str!("../../assets/report/uPlot.min.css"), include_str!("../../assets/report/page.css")];
 const VIEWER: &str = include_str!("../../assets/report/viewer.js");
+const STAGE: &str = include_str!("../../assets/report/stage.js");
+const CURVES: &str = include_str!("../../assets/report/curves.js");
+const PLOTS: &str = include_str!("../../assets/report/uPlot.iife.min.js");
 const PAGE: &str = include_str!("../../assets/report/page.js");
-const SCRIPTS_OF_RUNS: &[&str] = &[
-    include_str!("../../assets/report/uPlot.iife.min.js"),
-    VIEWER,
-    include_str!("../../assets/report/curves.js"),
-    PAGE,
-];
-const SCRIPTS_OF_MODELS: &[&str] = &[VIEWER, include_str!("../../assets/report/marks.js"), PAGE];
+/// Scripts of shapes and curves.
+pub(crate) const VIEWER_SCRIPTS: [&str; 4] = [PLOTS, VIEWER, CURVES, STAGE];
+const SCRIPTS_OF_RUNS: &[&str] = &[PLOTS, VIEWER, CURVES, STAGE, PAGE];
+const SCRIPTS_OF_MODELS: &[&str] = &[VIEWER, include_str!("../../assets/report/marks.js"), STAGE, PAGE];
 
 /// Data that the scripts of a report read.
 #[derive(Serialize)]
@@ -32,6 +33,13 @@ struct Data<'a, P> {
 struct Colours {
     palette: Vec<String>,
     viridis: Vec<String>,
+}
+
+/// Colours of the pictures, as the scripts read them.
+pub(crate) fn colours() -> String {
+    let codes = |colours: &[Rgb]| colours.iter().map(|colour| colour.code()).collect();
+    let colours = Colours { palette: codes(&PALETTE), viridis: codes(&VIRIDIS) };
+    in_script(&serde_json::to_string(&colours).unwrap_or_default())
 }
 
 /// Text for a script element, in which no tag may begin.
@@ -106,14 +114,8 @@ impl Document<'_> {
                 .map(|(i, text)| format!("<script type=\"text/plain\" id=\"block-{i}\">{text}</script>\n")),
         );
         let data = serde_json::to_string(&Data { title, parts }).unwrap_or_default();
-        let codes = |colours: &[Rgb]| colours.iter().map(|colour| colour.code()).collect();
-        let colours = Colours { palette: codes(&PALETTE), viridis: codes(&VIRIDIS) };
-        let colours = serde_json::to_string(&colours).unwrap_or_default();
-        for (id, text) in [("data", data), ("colours", colours)] {
-            out.push(format!(
-                "<script type=\"application/json\" id=\"{id}\">{}</script>\n",
-                in_script(&text)
-            ));
+        for (id, text) in [("data", in_script(&data)), ("colours", colours())] {
+            out.push(format!("<script type=\"application/json\" id=\"{id}\">{text}</script>\n"));
         }
         let scripts = match self.shown {
             Shown::Run => SCRIPTS_OF_RUNS,
