@@ -32,8 +32,8 @@ fn the_reaction_of_a_rod_is_the_change_of_momentum_of_each_step() {
     assert!(worst.len() > 20 && max_norm(&worst) < 1e-9, "{worst:?}");
 }
 
-/// What a joint does not transmit along its axes, in a motion of two bodies whose axes lie askew: of force (f₁, f₂, f₃) and moment
-/// (m₁, m₂, m₃) the components 0 to 5.
+/// Two bodies move on a joint whose axis lies askew. Of its force (f₁, f₂, f₃) and moment (m₁, m₂, m₃) the joint does not transmit the
+/// components with the given numbers from 0 to 5.
 #[test]
 fn components_that_a_joint_does_not_transmit_vanish_along_its_axes() {
     let (at, axis) = ([1.0, 0.1, 0.2], [0.3, -0.5, 0.8]);
