@@ -81,12 +81,15 @@ pub fn cards<'t>(
     lines: impl Iterator<Item = (usize, &'t str)>,
 ) -> Result<Vec<Card<'t>>, MeshError> {
     let mut cards: Vec<Card<'t>> = Vec::new();
-    let (mut half, mut mnemonic) = (false, "");
+    let (mut half, mut mnemonic, mut empty) = (false, "", None);
     for (number, line) in lines {
         let content = content(line);
         if content.trim().is_empty() {
+            // A comment may stand anywhere.
+            empty = if line.trim().is_empty() { Some(number) } else { empty };
             continue;
         }
+        let empty = empty.take();
         not_included(reader, number, content)?;
         let Line { name, large, data, continuation } = taken_apart(reader, number, content)?;
         let continues = name.is_empty() || name.starts_with(['+', '*']);
@@ -104,6 +107,13 @@ pub fn cards<'t>(
                     "write the name of a card first",
                 ));
             };
+            if let Some(line) = empty {
+                return Err(reader.error(
+                    line,
+                    format!("an empty line stands within the card {} of line {}", card.name, card.line),
+                    "delete it; where it stands for eight blank fields, begin it with +",
+                ));
+            }
             let own = name.trim_start_matches(['+', '*']);
             if !own.is_empty() && !own.eq_ignore_ascii_case(mnemonic) {
                 return Err(detached(reader, number, own, mnemonic));

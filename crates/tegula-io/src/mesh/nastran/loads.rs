@@ -91,7 +91,7 @@ pub fn nodal(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec<
         }
         if !parts.used.contains(&node) {
             let message = match parts.nodes.contains_key(&node) {
-                true => format!("node {node} belongs to no element"),
+                true => format!("node {node} belongs to no shell, and to no bar that is not released there"),
                 false => format!("the file has no node {node}"),
             };
             return Err(reader.error(

@@ -153,8 +153,10 @@ fn rigid(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec<Body
         let (nodes, of_bars): (Vec<u64>, Vec<u64>) =
             nodes.into_iter().partition(|of| parts.used.contains(of));
         if nodes.is_empty() {
-            let message = format!("RBE2 {label} holds no node of a shell");
-            return Err(reader.error(card.line, message, "let the bars share a node in place of the RBE2"));
+            let message = format!("RBE2 {label} holds nodes of bars alone, and no node of a shell");
+            let help =
+                "let the bars share a node, or connect their nodes by a stiff CBAR, in place of the RBE2";
+            return Err(reader.error(card.line, message, help));
         }
         let at = parts.nodes.get(&node).map_or([0.0; 3], |(position, _)| (*position).into());
         out.push(Body {

@@ -66,6 +66,11 @@ fn lines_that_belong_nowhere_are_refused() {
     for (text, message) in [
         ("+A,1\n", "part.bdf:1: the line continues no card"),
         ("GRID,1,,0.,0.,0.,,,,+A\n+B,1\n", "part.bdf:2: the line \"B\" does not continue"),
+        ("GRID,1,,0.,0.\n  \n,,1.\n", "part.bdf:2: an empty line stands within the card GRID of line 1"),
+        (
+            "GRID,1,,0.,0.\n\n$ comment\n,,1.\n",
+            "part.bdf:2: an empty line stands within the card GRID of line 1",
+        ),
         ("SPC1,1,2,3,4,5,6,7,8,9\n", "part.bdf:1: the line has the value \"9\" behind its 8 data fields"),
         ("GRID*,1,,0.,0.,0.\n", "part.bdf:1: the line has the value \"0.\" behind its 4 data fields"),
         ("=,*1\n", "part.bdf:1: \"=\" is not the name of a card"),

@@ -91,10 +91,12 @@ pub fn frame(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Fram
                 node.to_string()
             }
             (None, None) => {
-                let line = places.first().map_or(1, |(i, _)| lines[*i].line);
+                let first = places.first().map(|(i, _)| &lines[*i]);
+                let of =
+                    first.map_or_else(String::new, |line| format!(", as of the line of bars {}", line.name));
                 return Err(reader.error(
-                    line,
-                    format!("all bars at node {node} are released there by pin flags"),
+                    first.map_or(1, |line| line.line),
+                    format!("all bars at node {node} are released there by pin flags{of}"),
                     "leave the pin flags of one of them out, or support the node with 123456",
                 ));
             }
