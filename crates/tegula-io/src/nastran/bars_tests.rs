@@ -100,6 +100,21 @@ fn a_cantilever_of_bars_bends_as_timoshenkos_beam() {
     near(Solved::new(&rigid).moved("CBAR 1.end").y, 2.0 * L.powi(3) / (3.0 * E * I[0]), 1e-6);
 }
 
+/// Under its weight a cantilever of n bars, whose mass is lumped at their ends, deflects by 1 + 1/(3n²) times q L⁴/8EI.
+#[test]
+fn the_mass_of_bars_is_lumped_at_their_ends() {
+    let property = "PBAR,7,4,100.,2000.,800.,1500.\n";
+    let material = "MAT1,4,2.1+5,,.3,1.-6\n";
+    let four = [CONTROL, &bars(), property, material, "SPC1,1,123456,1\nGRAV,2,,10.,0.,-1.,0.\n"].concat();
+    let one = format!(
+        "{CONTROL}GRID,1,,0.,0.,0.\nGRID,2,,{L:?},0.,0.\nCBAR,1,7,1,2,0.,1.,0.\n{property}{material}SPC1,1,123456,1\nGRAV,2,,10.,0.,-1.,0.\n"
+    );
+    for (deck, n) in [(four, 4.0_f64), (one, 1.0)] {
+        let beam = -1e-6 * A * 10.0 * L.powi(4) / (8.0 * E * I[0]);
+        near(Solved::new(&deck).moved("CBAR 1.end").y, beam * (1.0 + 1.0 / (3.0 * n * n)), 1e-4);
+    }
+}
+
 /// DIM1 lies along z, DIM2 along y: a rectangle of 2 × 6 bends about z with 2 · 6³/12.
 #[test]
 fn shapes_of_sections_have_their_moments() {

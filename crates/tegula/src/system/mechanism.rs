@@ -8,10 +8,13 @@ impl System {
         self.joints.last().map_or(0, |last| last.multipliers().end)
     }
 
+    /// Whether the system has springs, torsion springs or bushings.
+    pub fn has_springs(&self) -> bool {
+        !(self.springs.is_empty() && self.torsion_springs.is_empty() && self.bushings.is_empty())
+    }
+
     /// Whether the system has bodies, beams, joints, ties, springs or bushings.
     pub fn is_mechanism(&self) -> bool {
-        let springs =
-            !(self.springs.is_empty() && self.torsion_springs.is_empty() && self.bushings.is_empty());
-        springs || !self.coordinates.bodies.is_empty() || self.constraints() > 0
+        self.has_springs() || !self.coordinates.bodies.is_empty() || self.constraints() > 0
     }
 }

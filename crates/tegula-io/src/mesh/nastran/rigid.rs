@@ -1,5 +1,6 @@
 //! Rigid elements, `RBE2`, and interpolation elements, `RBE3`: the bodies that they are.
 
+use super::cards::Card;
 use super::file::File;
 use super::{bars, interpolation};
 use crate::mesh::MeshError;
@@ -91,6 +92,23 @@ pub fn bodies(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec
     Ok(out)
 }
 
+/// The card of a rigid element without a thermal expansion, a real number at its end.
+///
+/// # Errors
+/// It is not zero.
+fn without_expansion<'t>(reader: &Reader<'_>, card: &Card<'t>) -> Result<Card<'t>, MeshError> {
+    let last = card.field(card.count().saturating_sub(1));
+    match super::numbers::real(last.text) {
+        None => Ok(card.clone()),
+        Some(0.0) => Ok(card.without_last()),
+        Some(_) => Err(reader.error(
+            last.line,
+            "the thermal expansion of RBE2 is not read",
+            "leave it out: there are no temperatures",
+        )),
+    }
+}
+
 /// Bodies of rigid elements.
 fn rigid(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec<Body>, MeshError> {
     let known = parts.nodes.keys().copied().collect();
@@ -107,22 +125,7 @@ fn rigid(reader: &Reader<'_>, file: &File<'_>, parts: &Parts) -> Result<Vec<Body
                 "write 123456: a rigid patch holds its nodes with their normals",
             ));
         }
-        // A real number at the end is the thermal expansion.
-        let expansion = |field: &super::cards::Field<'_>| super::numbers::real(field.text);
-        let last = card.count().saturating_sub(1);
-        if expansion(&card.field(last)).is_some_and(|alpha| alpha != 0.0) {
-            let help = "leave it out: there are no temperatures";
-            return Err(reader.error(
-                card.field(last).line,
-                "the thermal expansion of RBE2 is not read",
-                help,
-            ));
-        }
-        let plain = match expansion(&card.field(last)) {
-            Some(_) => card.without_last(),
-            None => card.clone(),
-        };
-        let mut nodes = plain.list(reader, 3, "a dependent node", &known)?;
+        let mut nodes = without_expansion(reader, card)?.list(reader, 3, "a dependent node", &known)?;
         for &of in nodes.iter().chain([&node]) {
             let held = of == node || parts.used.contains(&of) || of_bars.contains(&of);
             if !parts.nodes.contains_key(&of) || !held {

@@ -18,8 +18,7 @@
 //! and behind a jump of the velocities, the formula starts anew from the projected velocities, with a fictitious step of the same length
 //! before: `V₀ = v₀ − ½ Δt a₀`, `A₀ = a₀`, and with the loads that have given a₀, so that no impulse is lost.
 //!
-//! Motions that the step does not
-//! resolve vanish (L-stability); with automatic steps of any length a structure settles in its equilibrium. For
+//! Motions that the step does not resolve vanish (L-stability); with automatic steps of any length a structure settles in its equilibrium. For
 //! constraints K. E. Brenan, S. L. Campbell, L. R. Petzold, *Numerical solution of initial-value problems in differential-algebraic
 //! equations* (1996), Sect. 3.2; variable steps E. Hairer, S. P. Nørsett, G. Wanner, *Solving ordinary differential equations I* (1993),
 //! Sect. III.5, where the formula is stable for ω < 1 + √2.

@@ -52,11 +52,7 @@ impl Kinematics {
             predicted: zero,
             no_multipliers: vec![0.0; system.constraints()],
             weights: constrained_start::mass_weights(system),
-            forceless: system.total_mass() == 0.0
-                && system.load_sets.is_empty()
-                && system.springs.is_empty()
-                && system.torsion_springs.is_empty()
-                && system.bushings.is_empty(),
+            forceless: system.total_mass() == 0.0 && system.load_sets.is_empty() && !system.has_springs(),
         }
     }
 }

@@ -40,13 +40,11 @@ impl RankWatch {
         observer: &mut dyn Observer,
     ) -> Result<()> {
         let Some(dependent) = newton.schur().map(Schur::dependent) else { return Ok(()) };
-        let is_first = self.most.is_none();
-        if is_first || dependent > self.suspected {
+        if self.most.is_none() {
+            (self.most, self.suspected) = (Some(dependent), dependent);
+        }
+        if dependent > self.suspected {
             self.suspected = dependent;
-            if is_first {
-                self.most = Some(dependent);
-                return Ok(());
-            }
             impact::take_mass(system, newton, state)?;
             self.look_at_masses(system, newton.schur(), state.time, observer);
         }
