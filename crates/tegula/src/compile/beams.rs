@@ -9,7 +9,7 @@ use crate::element::quadratic::{Members, QuadraticGroup};
 use crate::mesh::Mesh;
 use crate::model::{Analysis, Beam, BeamSection, Isotropic, Material, Model, RigidBody, SectionConstants};
 use crate::section::beam::constants;
-use crate::system::{BeamLine, Coordinates};
+use crate::system::{BeamLine, Coordinates, System};
 
 /// Longest name of a beam (characters).
 const LONGEST_NAME: usize = 50;
@@ -54,6 +54,14 @@ pub(super) fn sets(model: &Model, mesh: &Mesh, c: &mut Checker) {
             c.set(mesh, format!("beams[{i}].attached[{k}]"), set, "nodes", Mesh::nodes_on);
         }
     }
+}
+
+/// Mistake of beams without mass in a model that has none at all, where a load acts on masses.
+pub(super) fn masses(model: &Model, system: &System, load: &str, c: &mut Checker) {
+    let Some(beam) = model.beams.first().filter(|_| system.total_mass() == 0.0) else { return };
+    let message =
+        format!("{load} acts on masses, but neither beam \"{}\" nor any other part has one", beam.name);
+    c.add("beams[0]", message, "give the density of its material, or the mass of its section constants");
 }
 
 /// Whether the analysis needs the masses of beams.

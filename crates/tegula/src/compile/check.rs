@@ -394,6 +394,7 @@ pub fn masses(model: &Model, system: &System) -> Vec<Issue> {
                 }
             }
         }
+        super::beams::masses(model, system, what, &mut c);
     }
     if let Analysis::Modal(m) = &model.analysis
         && m.modes as usize > system.unknowns()

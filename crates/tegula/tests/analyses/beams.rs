@@ -431,3 +431,32 @@ fn stiffness_damping_of_the_model_dissipates_in_beams() {
     let (own, whole) = (dissipated(1e-3, 0.0), dissipated(0.0, 1e-3));
     assert!(own > 0.0 && whole == own, "{own} {whole}");
 }
+
+/// In statics beams need no mass, but gravity does: without any mass in the model it is refused, and not a load of zero.
+#[test]
+fn gravity_on_beams_without_mass_is_refused() {
+    let section = SectionConstants {
+        axial: 1e4,
+        shear: [1e4; 2],
+        bending: [1.0; 2],
+        torsion: 1.0,
+        mass: 0.0,
+        inertia: [0.0; 2],
+    };
+    let beam = |mass: f64| {
+        let section = BeamSection::Constants(SectionConstants { mass, ..section });
+        Beam::straight("beam", [[0.0; 3], [1.0, 0.0, 0.0]], 4, [0.0, 0.0, 1.0], section)
+    };
+    let built = |mass: f64, load: Load| {
+        let joints = vec![fixed("clamp", "ground", "beam.start", [0.0; 3])];
+        let mut model = Model::of_bodies(Analysis::Static(StaticAnalysis::default()), Vec::new(), joints);
+        (model.beams, model.loads) = (vec![beam(mass)], vec![load]);
+        let mesh = mesh::generators::generate(&model.mesh).unwrap();
+        compile::build(&model, &mesh).map(|_| ()).map_err(|e| e.to_string())
+    };
+    let [gravity] = <[Load; 1]>::try_from(crate::multibody::gravity([0.0, 0.0, -9.81])).unwrap();
+    let force = Load::Force(VectorLoad::new("beam.end", [0.0, 0.0, 1.0]));
+    let refused = built(0.0, gravity.clone()).unwrap_err();
+    assert!(refused.contains("beams[0]: gravity acts on masses, but neither beam \"beam\""), "{refused}");
+    assert_eq!((built(0.0, force), built(1.0, gravity)), (Ok(()), Ok(())));
+}
