@@ -12,14 +12,17 @@ pub(crate) struct Checker {
 }
 
 impl Checker {
-    /// Adds a mistake: key, message, help.
+    /// Adds a mistake: key, message, help. One that is told already, such as that of another component of a vector, is not repeated.
     pub(crate) fn add(
         &mut self,
         place: impl Into<String>,
         message: impl Into<String>,
         help: impl Into<String>,
     ) {
-        self.issues.push(Issue::new(place, message, help));
+        let issue = Issue::new(place, message, help);
+        if !self.issues.contains(&issue) {
+            self.issues.push(issue);
+        }
     }
 
     /// Refuses a quantity that is not above 0 or of absurd size.

@@ -104,13 +104,14 @@ fn section_values(data: &Beam, model: &Model, key: &str, c: &mut Checker) {
                     "leave the material out, or give a shape of the section",
                 );
             }
-            let stiffness = [s.axial, s.shear[0], s.shear[1], s.bending[0], s.bending[1], s.torsion];
-            stiffness.iter().for_each(|x| c.positive(&place, "a section constant", *x));
-            let inertia = [s.mass, s.inertia[0], s.inertia[1]];
-            if needs_mass(model) {
-                inertia.iter().for_each(|x| c.positive(&place, "a section constant", *x));
-            } else {
-                inertia.iter().for_each(|x| c.not_negative(&place, "a section constant", *x));
+            let stiffness =
+                [("axial", vec![s.axial]), ("shear", s.shear.into()), ("bending", s.bending.into())];
+            for (name, values) in stiffness.into_iter().chain([("torsion", vec![s.torsion])]) {
+                values.iter().for_each(|x| c.positive(&place, &format!("the constant `{name}`"), *x));
+            }
+            let check = if needs_mass(model) { Checker::positive } else { Checker::not_negative };
+            for (name, values) in [("mass", vec![s.mass]), ("inertia", s.inertia.into())] {
+                values.iter().for_each(|x| check(c, &place, &format!("the constant `{name}`"), *x));
             }
             return;
         }

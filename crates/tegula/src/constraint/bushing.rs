@@ -138,12 +138,24 @@ impl Bushing {
         let v = few(&self.vectors, value);
         let forms = self.forms(&v);
         let turn = Turn::new(&forms);
-        let strain = strain(&forms, &turn);
         let rate = self.rate(&turn, &v, &few(&self.vectors, rate));
+        self.response_at(&forms, &turn, &rate)
+    }
+
+    /// Displacement, rotation and forces at the mean rate of a step of this length, for given nodal vectors at its start and its end.
+    pub fn response_of_step(&self, [start, end]: [&dyn Fn(u32) -> Vec3; 2], dt: f64) -> BushingResponse {
+        let [before, forms] = [start, end].map(|value| self.forms(&few(&self.vectors, value)));
+        let turn = Turn::new(&forms);
+        let rate = (strain(&forms, &turn) - strain(&before, &Turn::new(&before))) / dt;
+        self.response_at(&forms, &turn, &rate)
+    }
+
+    fn response_at(&self, forms: &[f64; FORMS], turn: &Turn, rate: &Vector6<f64>) -> BushingResponse {
+        let strain = strain(forms, turn);
         let force = self.stiffness * (strain - self.free) + self.damping * rate;
         let [displacement, rotation] = halves(&strain);
         let [force, conjugate] = halves(&force);
-        BushingResponse { displacement, rotation, force, moment: moment(&conjugate, &turn, forms[6]) }
+        BushingResponse { displacement, rotation, force, moment: moment(&conjugate, turn, forms[6]) }
     }
 
     /// Strains and their rates in a motion, which began at the rotation vector `committed`; NaN where the rotation is too large, or

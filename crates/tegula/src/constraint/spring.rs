@@ -154,6 +154,18 @@ impl Spring {
         [length, self.law.force([length; 2], lengthening, time).value]
     }
 
+    /// Length, and force that draws the points together at the mean rate of a step of this length, which ends at a time. The force has
+    /// the length at the end; nodal vectors have these values at the start and at the end of the step.
+    pub fn length_and_force_of_step(
+        &self,
+        [start, end]: [&dyn Fn(usize) -> Vec3; 2],
+        dt: f64,
+        time: f64,
+    ) -> [f64; 2] {
+        let [before, length] = [start, end].map(|value| self.length(value));
+        [length, self.law.force([length; 2], (length - before) / dt, time).value]
+    }
+
     /// Writes the forces on the nodal vectors that do the work of a force on the vector between the points, or across the axis.
     fn write_forces(&self, k: &GroupPoint, force: &Vec3, out: &mut [f64]) {
         match &self.measure {

@@ -136,9 +136,17 @@ impl TorsionSpring {
         self.law.force(turn.angles, turn.rate, time)
     }
 
-    /// Angle (rad) and moment in a state.
-    pub fn angle_and_moment(&self, k: &GroupPoint, number: usize) -> [f64; 2] {
-        let turn = self.turn(k, number);
+    /// Angle (rad) and moment in a state; at the mean rate of the last step where it began at the motion `before` and had this length.
+    pub fn angle_and_moment(
+        &self,
+        k: &GroupPoint,
+        number: usize,
+        last_step: Option<(&GroupPoint, f64)>,
+    ) -> [f64; 2] {
+        let mut turn = self.turn(k, number);
+        if let Some((before, dt)) = last_step {
+            turn.rate = (turn.angles[1] - self.angle(before, Self::committed(k, number))) / dt;
+        }
         [turn.angles[1], self.moment(&turn, k.time).value]
     }
 }

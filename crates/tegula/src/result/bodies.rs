@@ -5,10 +5,10 @@ use nalgebra::{Rotation3, UnitQuaternion};
 use crate::analysis::State;
 use crate::analysis::dynamics::triads::project_director_velocities;
 use crate::constraint::coordinate_law::parts;
-use crate::constraint::{BushingResponse, Joint, TorsionSpring};
+use crate::constraint::{Bushing, BushingResponse, Joint, Spring, TorsionSpring};
 use crate::element::Nodal;
-use crate::system::System;
 use crate::system::coordinates::Body;
+use crate::system::{EvaluationPoint, System};
 use crate::{Mat3, Vec3};
 
 /// Motion of a rigid body or a point mass.
@@ -99,32 +99,63 @@ pub fn coordinate_response(system: &System, state: &State, joint: &Joint) -> Opt
     Some(CoordinateResponse { value, is_angle, friction, stop, is_held })
 }
 
-/// Length, and force that draws its points together, of each spring in a state.
+/// Length, and force that draws its points together, of each spring in a state. Dampers act with the rates of the state; for the
+/// energy–momentum scheme of second order with the mean rates of the last step, since the velocity at its end alternates where a damper is
+/// much stiffer than the mass over the step.
 pub fn spring_lengths_and_forces(system: &System, state: &State) -> Vec<[f64; 2]> {
-    let (value, rates) = (|v: usize| current(system, &state.u, v as u32), rigid_rates(system, state));
+    let time = state.time.max(0.0);
+    let value = |v: usize| current(system, &state.u, v as u32);
+    if !state.middle.is_empty() {
+        let start = |v: usize| start_of_step(system, state, v as u32);
+        let ends: [&dyn Fn(usize) -> Vec3; 2] = [&start, &value];
+        let of = |(_, spring): &(_, Spring)| spring.length_and_force_of_step(ends, state.last_step, time);
+        return system.springs.iter().map(of).collect();
+    }
+    let rates = rigid_rates(system, state);
     let rate = |v: usize| rates.get(v).copied().map_or_else(Vec3::zeros, Vec3::from);
-    system
-        .springs
-        .iter()
-        .map(|(_, spring)| spring.length_and_force(value, rate, state.time.max(0.0)))
-        .collect()
+    system.springs.iter().map(|(_, spring)| spring.length_and_force(value, rate, time)).collect()
 }
 
-/// Angle (rad), continued over full turns, and moment of each torsion spring in a state.
+/// Angle (rad), continued over full turns, and moment of each torsion spring in a state, with the rates of
+/// [springs](spring_lengths_and_forces).
 pub fn torsion_angles_and_moments(system: &System, state: &State) -> Vec<[f64; 2]> {
     let (factors, point): (Vec<f64>, _) =
         (system.factors(state.time).collect(), state.point_with_rates(system));
+    let start: Vec<Nodal> = match state.middle.is_empty() || system.torsion_springs.is_empty() {
+        true => Vec::new(),
+        false => (0..state.u.len()).map(|v| displacement_at_start(state, v)).collect(),
+    };
+    let before = EvaluationPoint::at_rest(system, &start, state.time, state.internal());
     let of = |(spring, [group, number]): &(TorsionSpring, [usize; 2])| {
-        spring.angle_and_moment(&point.of_group(system, *group, &factors), *number)
+        let [before, point] = [&before, &point].map(|point| point.of_group(system, *group, &factors));
+        let last_step = (!start.is_empty()).then_some((&before, state.last_step));
+        spring.angle_and_moment(&point, *number, last_step)
     };
     system.torsion_springs.iter().map(of).collect()
 }
 
-/// Displacement, rotation, force and moment of each bushing in a state.
+/// Displacement, rotation, force and moment of each bushing in a state, with the rates of [springs](spring_lengths_and_forces).
 pub fn bushing_responses(system: &System, state: &State) -> Vec<BushingResponse> {
-    let (value, rates) = (|v: u32| current(system, &state.u, v), rigid_rates(system, state));
+    let value = |v: u32| current(system, &state.u, v);
+    if !state.middle.is_empty() {
+        let start = |v: u32| start_of_step(system, state, v);
+        let ends: [&dyn Fn(u32) -> Vec3; 2] = [&start, &value];
+        let of = |bushing: &Bushing| bushing.response_of_step(ends, state.last_step);
+        return system.bushings.iter().map(of).collect();
+    }
+    let rates = rigid_rates(system, state);
     let rate = |v: u32| rates.get(v as usize).copied().map_or_else(Vec3::zeros, Vec3::from);
     system.bushings.iter().map(|bushing| bushing.response(value, rate)).collect()
+}
+
+/// Displacement of a nodal vector at the start of the last step, for the energy–momentum scheme of second order.
+fn displacement_at_start(state: &State, v: usize) -> Nodal {
+    std::array::from_fn(|i| 2.0 * state.middle[v][i] - state.u[v][i])
+}
+
+fn start_of_step(system: &System, state: &State, v: u32) -> Vec3 {
+    Vec3::from(system.coordinates.reference[v as usize])
+        + Vec3::from(displacement_at_start(state, v as usize))
 }
 
 /// Velocities of the nodal vectors, those of bodies as rigid motions with their angular velocity. The rates of directors in the

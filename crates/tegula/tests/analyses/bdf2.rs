@@ -383,3 +383,26 @@ fn a_free_mass_keeps_the_impulse_of_a_pulse() {
         }
     }
 }
+
+/// Steps that end at kinks of a load are cut to halves, and the next one is twice as long up to round-off of the times, which differs
+/// between units of time: whether the formula continues must not.
+#[test]
+fn steps_that_grow_to_twice_their_length_continue_in_all_units_of_time() {
+    let swing = |unit: f64| {
+        let mut model = stepped(&pendulum(), 0.4 * unit, 0.002 * unit);
+        let kinks: Vec<f64> = (0..10).map(|i| 0.007 + 0.034 * f64::from(i)).collect();
+        let values: Vec<f64> = (0..10).map(|i| 1.0 + 0.1 * f64::from(i % 2)).collect();
+        let times = kinks.iter().map(|time| time * unit).collect();
+        model.amplitudes.insert("kinks".into(), Amplitude::Table(TableAmplitude { times, values }));
+        let Load::Gravity(weight) = &mut model.loads[0] else { panic!() };
+        weight.amplitude = Some("kinks".into());
+        weight.value = weight.value.map(|g| g / (unit * unit));
+        let (system, state) = run(&model, &mut Notes::default());
+        BodyMotion::new(&system, &state, &system.coordinates.bodies[0]).position
+    };
+    let seconds = swing(1.0);
+    for unit in [1e3, 1e-3, 60.0] {
+        let distance = (swing(unit) - seconds).norm();
+        assert!(distance < 1e-11, "{unit}: {distance}");
+    }
+}

@@ -182,17 +182,29 @@ fn files_of_bodies_hold_their_places_and_the_resultants_of_beams() {
     assert!(force[18..].iter().any(|v| v.abs() > 0.1), "{force:?}");
 }
 
-/// The angle of a torsion spring in the history is that of its body's quaternion, in degrees, and the moment belongs to it.
+/// Mean rate over the step that ends at each row of a history, from the values in the rows and at the start.
+fn mean_rates(times: &[f64], values: &[f64]) -> Vec<f64> {
+    let of_step = |i: usize| (values[i] - values[i - 1]) / (times[i] - times[i - 1]);
+    (0..values.len()).map(|i| if i == 0 { 0.0 } else { of_step(i) }).collect()
+}
+
+/// The angle of a torsion spring in the history is that of its body's quaternion, in degrees, and the moment belongs to it and to its mean
+/// rate over the step.
 #[test]
 fn the_history_has_angle_and_moment_of_torsion_springs() {
     let folder = run_text(MACHINE);
     let (names, rows) = csv::read(&folder.path().join("history.csv")).unwrap();
-    for row in &rows {
+    let column = |name: &str| -> Vec<f64> {
+        rows.iter().map(|row| row[names.iter().position(|n| n == name).unwrap()]).collect()
+    };
+    let angles: Vec<f64> =
+        column("body.bar.q3").iter().zip(column("body.bar.q0")).map(|(s, c)| 2.0 * s.atan2(c)).collect();
+    let rates = mean_rates(&column("time"), &angles);
+    for (row, (turned, rate)) in rows.iter().zip(angles.iter().zip(rates)) {
         let value = |name: &str| row[names.iter().position(|n| n == name).unwrap()];
-        let turned = 2.0 * value("body.bar.q3").atan2(value("body.bar.q0"));
         let angle = value("torsion_spring.coil.angle");
         assert!((angle - turned.to_degrees()).abs() < 1e-9, "{angle} {turned}");
-        let moment = 3.0 * (turned - 0.5_f64.to_radians()) + 0.2 * value("body.bar.wz");
+        let moment = 3.0 * (turned - 0.5_f64.to_radians()) + 0.2 * rate;
         let found = value("torsion_spring.coil.moment");
         assert!((found - moment).abs() < 1e-9 * (1.0 + moment.abs()), "{found} {moment} {row:?}");
     }
@@ -254,7 +266,7 @@ fn the_history_has_accelerations_of_bodies() {
     assert!(rows.len() > 15);
 }
 
-/// Length and force of a spring in the history are those of the body's position and velocity.
+/// Length of a spring in the history is that of the body's position, and its force that of the length and of its mean rate over the step.
 #[test]
 fn the_history_has_length_and_force_of_springs() {
     let spring = r#"
@@ -268,34 +280,41 @@ fn the_history_has_length_and_force_of_springs() {
     "#;
     let folder = run_text(&format!("{MACHINE}{spring}"));
     let (names, rows) = csv::read(&folder.path().join("history.csv")).unwrap();
-    let mut lengths = Vec::new();
-    for row in &rows {
-        let value = |name: &str| row[names.iter().position(|n| n == name).unwrap()];
-        let vector =
-            |columns: [&str; 3]| nalgebra::Vector3::from(columns.map(|c| value(&format!("body.bar.{c}"))));
-        let x = vector(["x", "y", "z"]) - nalgebra::Vector3::new(0.5, 1.0, 0.0);
-        let (length, force) = (value("spring.pull.length"), value("spring.pull.force"));
-        let expected = 4.0 * (x.norm() - 0.8) + 0.3 * vector(["vx", "vy", "vz"]).dot(&x) / x.norm();
-        assert!((length - x.norm()).abs() < 1e-12 && (force - expected).abs() < 1e-10, "{row:?}");
-        lengths.push(length);
+    let value = |row: &[f64], name: &str| row[names.iter().position(|n| n == name).unwrap()];
+    let of_row = |row: &Vec<f64>| {
+        let x = nalgebra::Vector3::from(["x", "y", "z"].map(|c| value(row, &format!("body.bar.{c}"))));
+        (x - nalgebra::Vector3::new(0.5, 1.0, 0.0)).norm()
+    };
+    let lengths: Vec<f64> = rows.iter().map(of_row).collect();
+    let times: Vec<f64> = rows.iter().map(|row| value(row, "time")).collect();
+    for (row, (expected, rate)) in rows.iter().zip(lengths.iter().zip(mean_rates(&times, &lengths))) {
+        let (length, force) = (value(row, "spring.pull.length"), value(row, "spring.pull.force"));
+        assert!((length - expected).abs() < 1e-12, "{row:?}");
+        assert!((force - (4.0 * (length - 0.8) + 0.3 * rate)).abs() < 1e-9, "{row:?}");
     }
     assert!(lengths[lengths.len() - 1] > lengths[0] + 1e-3, "the bar falls: {lengths:?}");
 }
 
-/// Displacement, rotation, force and moment of a bushing in the history are those of the position, quaternion and velocities of its body;
-/// without stiffness of rotations there are no columns of them.
+/// Displacement, rotation, force and moment of a bushing in the history are those of the position and quaternion of its body and of their
+/// mean rates over the step; without stiffness of rotations there are no columns of them.
 #[test]
 fn the_history_has_displacements_rotations_and_forces_of_bushings() {
     let folder = run_text(&format!("{MACHINE}{BUSHINGS}"));
     let (names, rows) = csv::read(&folder.path().join("history.csv")).unwrap();
     let of_slack = names.iter().filter(|name| name.starts_with("bushing.slack.")).count();
     assert_eq!((of_slack, names.contains(&"bushing.rubber.mz".to_owned())), (6, true), "{names:?}");
-    let mut turns = Vec::new();
-    for row in &rows {
+    let column = |name: &str| -> Vec<f64> {
+        rows.iter().map(|row| row[names.iter().position(|n| n == name).unwrap()]).collect()
+    };
+    let turns: Vec<f64> =
+        column("body.bar.q3").iter().zip(column("body.bar.q0")).map(|(s, c)| 2.0 * s.atan2(c)).collect();
+    let rates = [turns.clone(), column("body.bar.x"), column("body.bar.y")]
+        .map(|values| mean_rates(&column("time"), &values));
+    for (i, row) in rows.iter().enumerate() {
         let value = |name: &str| row[names.iter().position(|n| n == name).unwrap()];
-        let turned = 2.0 * value("body.bar.q3").atan2(value("body.bar.q0"));
+        let turned = turns[i];
         let u = [value("body.bar.x") - 0.5, value("body.bar.y")];
-        let v = ["vx", "vy"].map(|column| value(&format!("body.bar.{column}")));
+        let [turning, v @ ..] = [0, 1, 2].map(|k| rates[k][i]);
         for (found, expected) in [
             ("ux", u[0]),
             ("uy", u[1]),
@@ -303,14 +322,13 @@ fn the_history_has_displacements_rotations_and_forces_of_bushings() {
             ("rz", turned.to_degrees()),
             ("fx", 4.0 * u[0] + 0.3 * v[0]),
             ("fy", 5.0 * u[1] + 0.2 * v[1]),
-            ("mz", 2.0 * turned + 0.4 * value("body.bar.wz")),
+            ("mz", 2.0 * turned + 0.4 * turning),
         ] {
             let found = value(&format!("bushing.rubber.{found}"));
             assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{found} {expected} {row:?}");
         }
-        turns.push(turned.abs());
     }
-    assert!(turns.iter().any(|turned| *turned > 0.01), "{turns:?}");
+    assert!(turns.iter().any(|turned| turned.abs() > 0.01), "{turns:?}");
 }
 
 /// A run with bushings that is interrupted and resumed has the history of the straight one.

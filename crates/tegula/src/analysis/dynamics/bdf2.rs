@@ -37,8 +37,9 @@ use crate::system::assembly::TangentCoefficients;
 use crate::system::{Assembly, System};
 
 /// Largest ratio of a step to the one before with which the formula continues; it is below 1 + √2. With joints or bodies also the smallest.
-const LARGEST_RATIO: f64 = 2.0;
-const SMALLEST_RATIO: f64 = 0.5;
+/// Steps are cut to halves and grow to twice their length: round-off of their ratio must not decide.
+const LARGEST_RATIO: f64 = 2.0 + 1e-6;
+const SMALLEST_RATIO: f64 = 1.0 / LARGEST_RATIO;
 
 /// BDF2 integrator.
 pub struct Bdf2 {
@@ -211,7 +212,7 @@ impl Integrator for Bdf2 {
     }
 
     fn step_work(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> StepWork {
-        self.newmark.step_work(system, assembly, state)
+        self.newmark.work_by_mean_rates(system, assembly, state)
     }
 
     fn tolerances(&self, max_iterations: u32) -> Tolerances {

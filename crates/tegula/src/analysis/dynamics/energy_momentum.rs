@@ -225,7 +225,7 @@ impl Integrator for EnergyMomentum {
         state.u.copy_from_slice(&self.u);
         state.v.copy_from_slice(&self.v);
         state.multipliers.copy_from_slice(&self.multipliers);
-        if !self.composed && (!self.multipliers.is_empty() || !system.coordinates.bodies.is_empty()) {
+        if !self.composed && system.is_mechanism() {
             state.middle.resize(self.u.len(), [0.0; 3]);
             for (middle, (old, new)) in state.middle.iter_mut().zip(self.u_old.iter().zip(&self.u)) {
                 *middle = std::array::from_fn(|i| 0.5 * (old[i] + new[i]));

@@ -130,7 +130,8 @@ impl EnergyWatch {
                 self.largest, supplied
             ));
         }
-        let scale = larger(scale, larger(balance.kinetic, balance.strain));
+        // Where dampers take what loads supply, the motion itself has little energy.
+        let scale = larger(larger(scale, supplied), larger(balance.kinetic, balance.strain));
         let gain = (balance.total - self.lowest) / scale;
         if step <= FIRST_STEPS || scale == 0.0 || gain <= self.next {
             return;
