@@ -338,6 +338,13 @@ impl Constraints {
         &self.change
     }
 
+    /// Changes the solution `x = K⁻¹ b` of the last tangent, in which the constraint forces act, to that with the rates `G₁ x = −rest` of the
+    /// constraints. Returns the multipliers that balance b.
+    pub fn satisfy(&mut self, rest: &[f64], x: &mut [f64]) -> &[f64] {
+        self.right.copy_from_slice(rest);
+        self.project_onto(x)
+    }
+
     /// A free degree of freedom of each constraint that does not follow from others at the last tangent.
     pub fn independent(&self) -> impl Iterator<Item = u32> {
         let independent = self.schur.independent().iter();

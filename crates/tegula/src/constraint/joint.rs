@@ -6,7 +6,8 @@ use std::sync::Arc;
 use super::joints::RelativeAngle;
 use super::{Attachment, CoordinateLaw, DriveValue, Quantity, Row};
 use crate::Vec3;
-use crate::element::{ElementGroup, GroupPoint, Motion, TangentRequest, TangentWeights};
+use crate::element::power_series::{KnownOrders, PowerSeries};
+use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, TangentRequest, TangentWeights};
 use crate::load::TimeFunction;
 
 /// Most nodal vectors of a joint of bodies: two rigid bodies have eight, and gears contain the directors of three bodies.
@@ -297,6 +298,11 @@ impl ElementGroup for JointGroup {
         self.vectors
     }
 
+    fn power_series(&self) -> Option<&dyn PowerSeries> {
+        let mut joints = self.members.iter().map(|&j| &self.joints[j]);
+        joints.all(|joint| joint.rows.iter().all(Row::is_quadratic)).then_some(self)
+    }
+
     fn evaluate(
         &self,
         k: &GroupPoint,
@@ -314,6 +320,49 @@ impl ElementGroup for JointGroup {
                 |v, gradient| joint.evaluate(k, (v, gradient), out, blocks),
             );
         }
+    }
+}
+
+impl JointGroup {
+    /// Writes the sums of `ν·g″ x` of the joints for multipliers ν and fields x.
+    fn write_changes<'a>(
+        &self,
+        parts: impl Iterator<Item = (&'a [f64], &'a [Nodal])> + Clone,
+        forces: &mut [f64],
+    ) {
+        for (out, &j) in forces.chunks_exact_mut(3 * self.vectors).zip(&self.members) {
+            let joint = &self.joints[j];
+            out.fill(0.0);
+            for (multipliers, field) in parts.clone() {
+                joint.with_vectors(
+                    |v| Vec3::from(field[v]),
+                    |x, sum| {
+                        for (number, row) in joint.multipliers().zip(&joint.rows) {
+                            row.add_change_of_gradient(multipliers[number], x, sum);
+                        }
+                        for (out, force) in out.chunks_exact_mut(3).zip(sum.iter()) {
+                            (0..3).for_each(|i| out[i] += force[i]);
+                        }
+                    },
+                );
+            }
+        }
+    }
+}
+
+/// Joints of quadratic constraints; their forces `Gᵀν_p` of the order that is to be found are left out.
+impl PowerSeries for JointGroup {
+    fn stored_stresses(&self, _: usize) -> usize {
+        0
+    }
+
+    fn forces_of_order(&self, known: &KnownOrders, _: &mut [f64], forces: &mut [f64]) {
+        let multipliers = known.multipliers.iter().skip(1).map(Vec::as_slice);
+        self.write_changes(multipliers.zip(known.coefficients.iter().rev().map(Vec::as_slice)), forces);
+    }
+
+    fn tangent_products(&self, k: &GroupPoint, field: &[Nodal], forces: &mut [f64]) {
+        self.write_changes(std::iter::once((k.multipliers, field)), forces);
     }
 }
 

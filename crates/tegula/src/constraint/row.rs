@@ -232,6 +232,24 @@ impl Row {
         }
     }
 
+    /// Whether the constraint is a quadratic form of the nodal vectors alone.
+    pub fn is_quadratic(&self) -> bool {
+        self.other.is_none() && self.driven == Driven::Not
+    }
+
+    /// Second derivative `x·g″ y` of the quadratic form along two changes of the nodal vectors.
+    pub fn second_derivative(&self, x: &[Vec3], y: &[Vec3]) -> f64 {
+        self.products.iter().map(|&(a, b, c)| c * (x[a].dot(&y[b]) + x[b].dot(&y[a]))).sum()
+    }
+
+    /// Adds `factor · g″ x`, the change of the gradient of the quadratic form with a change of the nodal vectors.
+    pub fn add_change_of_gradient(&self, factor: f64, x: &[Vec3], out: &mut [Vec3]) {
+        for &(a, b, c) in &self.products {
+            out[a] += x[b] * (factor * c);
+            out[b] += x[a] * (factor * c);
+        }
+    }
+
     /// Value of the quadratic form.
     pub fn form(&self, v: &[Vec3]) -> f64 {
         let products: f64 = self.products.iter().map(|&(a, b, c)| c * v[a].dot(&v[b])).sum();

@@ -6,9 +6,10 @@
 use pulp::Simd;
 
 use super::bilinear::{BilinearGroup, COORDINATES};
-use super::bilinear_kernel::{Basis, PerForm};
-use super::chunks::for_each_chunk_of_two;
+use super::bilinear_kernel::{Basis, Measure, PerForm};
+use super::chunks::{for_each_chunk, for_each_chunk_of_two};
 use super::forms::{BASIS, MOST};
+use super::group::{GroupPoint, Nodal};
 use super::lanes::{BATCH, LaneWork, Lanes, run};
 use super::power_series::{KnownOrders, PowerSeries};
 
@@ -82,6 +83,37 @@ impl LaneWork for ForcesOfOrder<'_> {
     }
 }
 
+/// Products of the tangents of the elements of a task with a field.
+struct TangentProducts<'a> {
+    group: &'a BilinearGroup,
+    k: &'a GroupPoint<'a>,
+    field: &'a [Nodal],
+    forces: &'a mut [f64],
+}
+
+impl LaneWork for TangentProducts<'_> {
+    type Space<S: Simd> = ();
+
+    #[inline(always)]
+    fn space<S: Simd>(_: S) {}
+
+    #[inline(always)]
+    fn work<S: Simd>(&mut self, l: Lanes<S>, offset: usize, (): &mut ()) {
+        let Self { group: g, k, field, .. } = self;
+        let (mut strain, mut n): (PerForm<S>, PerForm<S>) = ([l.splat(0.0); MOST], [l.splat(0.0); MOST]);
+        let origin = g.strained(l, k, Measure::End, &mut strain);
+        let x = g.basis(l, field);
+        g.stress(l, &g.products(l, &x, &origin), &[], &mut n);
+        let mut f = [[l.splat(0.0); 3]; BASIS];
+        g.add_basis_forces(l, &origin, &n, &mut f);
+        g.stress(l, &strain, k.interior.factors, &mut n);
+        g.add_basis_forces(l, &x, &n, &mut f);
+        let end = (offset + S::F64_LANES).min(self.forces.len() / COORDINATES);
+        let forces = &mut self.forces[offset * COORDINATES..end * COORDINATES];
+        l.write(g.nodal_forces(l, &f).as_flattened(), COORDINATES, forces);
+    }
+}
+
 impl PowerSeries for BilinearGroup {
     fn stored_stresses(&self, highest: usize) -> usize {
         self.vectors.len().next_multiple_of(BATCH) * self.stored * (highest - 1)
@@ -92,6 +124,13 @@ impl PowerSeries for BilinearGroup {
         for_each_chunk_of_two((forces, COORDINATES), (stresses, each), &|first, forces, stresses| {
             let elements = forces.len() / COORDINATES;
             run(self.arch(), first, elements, ForcesOfOrder { group: self, known, stresses, forces });
+        });
+    }
+
+    fn tangent_products(&self, k: &GroupPoint, field: &[Nodal], forces: &mut [f64]) {
+        for_each_chunk(forces, COORDINATES, &|first, forces| {
+            let elements = forces.len() / COORDINATES;
+            run(self.arch(), first, elements, TangentProducts { group: self, k, field, forces });
         });
     }
 }

@@ -1,4 +1,5 @@
-//! Power series of internal forces along an equilibrium path, for elements whose strains are quadratic and whose material is linear.
+//! Power series of internal forces along an equilibrium path, for elements whose strains are quadratic and whose material is linear, and for
+//! joints, whose forces `Gᵀν` are quadratic in the nodal vectors and the multipliers ν.
 //!
 //! On a path `v(a) = v₀ + Σ aᵖ v_p`, `λ(a) = λ₀ + Σ aᵖ λ_p` strains, generalised stresses and forces are power series, too. With the
 //! symmetric bilinear form `P(u, w) = B(u) w` of the sampled strains, `s(v₀ + w) = s(v₀) + P(v₀, w) + ½ P(w, w)`, order p of a path of
@@ -15,7 +16,7 @@
 //! of imperfect elastic structures*, Int. J. Eng. Sci. 28 (1990) 943–957; B. Cochelin, N. Damil, M. Potier-Ferry, *Asymptotic-numerical
 //! methods and Padé approximants for non-linear elastic structures*, Int. J. Numer. Meth. Engng 37 (1994) 1187–1213.
 
-use super::group::Nodal;
+use super::group::{GroupPoint, Nodal};
 
 /// Coefficients of a path that are known when the forces of the next order are to be found.
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +29,8 @@ pub struct KnownOrders<'a> {
     pub coefficients: &'a [Vec<Nodal>],
     /// Last known coefficient λ_{p−1} times the changes of the factors of the prescribed strains with the load factor.
     pub strain_factors: &'a [f64],
+    /// Coefficients ν₀ … ν_{p−1} of the multipliers of all constraints.
+    pub multipliers: &'a [Vec<f64>],
     /// Highest order N of the series, which sets the places of the stored stresses.
     pub highest: usize,
 }
@@ -39,12 +42,16 @@ impl KnownOrders<'_> {
     }
 }
 
-/// Group of elements with quadratic strains and a linear material.
+/// Group of elements with quadratic strains and a linear material, or of joints with quadratic constraints.
 pub trait PowerSeries {
-    /// Room for the generalised stresses n₁ … n_{N−1} of all elements of the group.
+    /// Room for the generalised stresses n₁ … n_{N−1} of all elements of the group; none for joints.
     fn stored_stresses(&self, highest: usize) -> usize;
 
     /// Forces f_p of all elements, one block of `3 · vectors_per_element` each. `stresses` keeps the stresses of lower orders from
     /// one order to the next; orders are found in ascending sequence, from 2 on.
     fn forces_of_order(&self, known: &KnownOrders, stresses: &mut [f64], forces: &mut [f64]);
+
+    /// Products `K x = Bᵀ(v₀) H B(v₀) x + Bᵀ(x) n₀` of the tangents of all elements in a state with a field of all nodal vectors, without the
+    /// curvature of constraints; one block of `3 · vectors_per_element` each.
+    fn tangent_products(&self, k: &GroupPoint, field: &[Nodal], forces: &mut [f64]);
 }

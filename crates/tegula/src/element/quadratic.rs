@@ -43,11 +43,11 @@ pub struct QuadraticGroup<const M: usize, const N: usize, const S: usize, const 
 }
 
 /// Strain state of an element: base vectors, generalised stresses and sampled strains of a motion.
-struct StrainState<const S: usize, const D: usize> {
+pub(super) struct StrainState<const S: usize, const D: usize> {
     /// Base vectors of the configuration in which the stress acts: current (state) or mid-step (step).
-    acting: Directions<f64, D>,
+    pub(super) acting: Directions<f64, D>,
     /// Generalised stresses.
-    stress: [f64; S],
+    pub(super) stress: [f64; S],
     /// Sampled strains at which the tangent is taken.
     strain: [f64; S],
 }
@@ -135,7 +135,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
 
     /// Strain state of the motion: generalised stresses, and base vectors of the configuration in which they act.
     #[inline(always)]
-    fn stress(&self, e: usize, k: &GroupPoint) -> StrainState<S, D> {
+    pub(super) fn stress(&self, e: usize, k: &GroupPoint) -> StrainState<S, D> {
         let p0 = self.strains.directions(&self.gather(e, k.reference));
         let interior = self.interior(e, k);
         let mut acting = p0;

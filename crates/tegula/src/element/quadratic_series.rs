@@ -1,10 +1,10 @@
 //! Power series of the elements of a [`QuadraticGroup`] of a linear material.
 
-use super::chunks::for_each_chunk_of_two;
+use super::chunks::{for_each_chunk, for_each_chunk_of_two};
 use super::generalized_law::GeneralizedLaw;
-use super::group::InternalVariables;
+use super::group::{GroupPoint, InternalVariables, Nodal};
 use super::power_series::{KnownOrders, PowerSeries};
-use super::quadratic::QuadraticGroup;
+use super::quadratic::{QuadraticGroup, StrainState};
 use super::strains::Directions;
 
 impl<const M: usize, const N: usize, const S: usize, const D: usize, C: GeneralizedLaw<S>>
@@ -74,6 +74,24 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
             let elements = forces.chunks_exact_mut(N).zip(stresses.chunks_exact_mut(each));
             for (i, (force, stresses)) in elements.enumerate() {
                 self.series_of_one(first + i, known, (stresses, &mut x), force);
+            }
+        });
+    }
+
+    fn tangent_products(&self, k: &GroupPoint, field: &[Nodal], forces: &mut [f64]) {
+        for_each_chunk(forces, N, &|first, forces| {
+            for (e, out) in (first..).zip(forces.chunks_exact_mut(N)) {
+                let StrainState { acting, stress, .. } = self.stress(e, k);
+                let x = self.strains.directions(&self.gather(e, field));
+                let linear = InternalVariables { history: &[], factors: &[] };
+                let change = self.law().stress(e, &self.strains.rates(&acting, &x), &linear);
+                let mut f = self.strains.force(&acting, &change);
+                let turned = self.strains.force(&x, &stress);
+                f.as_flattened_mut().iter_mut().zip(turned.as_flattened()).for_each(|(f, part)| *f += part);
+                if let Some(t) = self.members.transforms.get(e) {
+                    f = t.apply_transposed(&f);
+                }
+                out.copy_from_slice(f.as_flattened());
             }
         });
     }

@@ -90,8 +90,8 @@ pub enum PathEnd {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PathMethod {
-    /// Power series (asymptotic numerical method): one factorisation a step, for elements with free directors, linear materials and
-    /// loads of constant direction in proportion to the load factor.
+    /// Power series (asymptotic numerical method): one factorisation a step, for linear materials, joints of quadratic constraints, and loads
+    /// of constant direction in proportion to the load factor.
     Series,
     /// Arc-length method: Newton's method on planes across the path, for all models.
     ArcLength,

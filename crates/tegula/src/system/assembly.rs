@@ -66,7 +66,7 @@ pub struct Assembly {
     /// Enhanced parameters and internal variables at the end of the present step, all groups.
     new_history: Vec<f64>,
     /// Factors of the fields of prescribed strain.
-    factors: Vec<f64>,
+    pub(super) factors: Vec<f64>,
     /// Constrained degrees of freedom, and local frames of inextensible directors at their present values.
     pub frames: LocalFrames,
     /// Places in `element_forces` (in units of nodal vectors) of the contributions to each nodal vector.
@@ -105,7 +105,7 @@ impl Assembly {
     }
 
     /// Sets the factors of the prescribed strains and the values of the drives.
-    fn set_time(&mut self, system: &System, time: f64) {
+    pub(super) fn set_time(&mut self, system: &System, time: f64) {
         self.factors.iter_mut().zip(system.factors(time)).for_each(|(x, factor)| *x = factor);
     }
 

@@ -1,6 +1,6 @@
 //! Power series of the internal forces of a model along an equilibrium path.
 
-use super::{Assembly, System};
+use super::{Assembly, EvaluationPoint, System};
 use crate::element::Nodal;
 use crate::element::power_series::{KnownOrders, PowerSeries};
 
@@ -34,6 +34,25 @@ impl Assembly {
         for ((_, group, offsets), stresses) in system.numbered_groups().zip(&mut stresses.of_groups) {
             if let Some(series) = group.power_series().filter(|_| !group.is_empty()) {
                 series.forces_of_order(known, stresses, &mut self.element_forces[offsets.forces.clone()]);
+            }
+        }
+        self.gather_forces(out);
+    }
+
+    /// Product of the tangent of all elements in a state with a field of all nodal vectors, constrained ones included, without the curvature of
+    /// constraints.
+    pub fn tangent_product(
+        &mut self,
+        system: &System,
+        k: &EvaluationPoint,
+        field: &[Nodal],
+        out: &mut [Nodal],
+    ) {
+        self.set_time(system, k.time);
+        for (g, group, offsets) in system.numbered_groups() {
+            if let Some(series) = group.power_series().filter(|_| !group.is_empty()) {
+                let k = k.of_group(system, g, &self.factors);
+                series.tangent_products(&k, field, &mut self.element_forces[offsets.forces.clone()]);
             }
         }
         self.gather_forces(out);

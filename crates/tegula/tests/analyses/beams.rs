@@ -52,7 +52,7 @@ fn place(system: &System, state: &State, body: &str) -> Vec3 {
     Vec3::from(system.coordinates.reference[body.centre as usize]) + Vec3::from(state.u[body.centre as usize])
 }
 
-fn fixed(name: &str, a: &str, b: &str, at: [f64; 3]) -> Joint {
+pub fn fixed(name: &str, a: &str, b: &str, at: [f64; 3]) -> Joint {
     Joint::Fixed(PointJoint { name: name.into(), between: [a.into(), b.into()], at, second_at: None })
 }
 

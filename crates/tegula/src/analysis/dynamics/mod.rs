@@ -311,7 +311,7 @@ pub(super) fn hold_supported(system: &System, from: &[Nodal], to: &mut [Nodal], 
 }
 
 /// Projects inextensible directors onto their length, and those of rigid bodies onto rotations.
-pub(super) fn project_unit_vectors(system: &System, u: &mut [Nodal]) {
+pub(in crate::analysis) fn project_unit_vectors(system: &System, u: &mut [Nodal]) {
     if system.linear {
         return;
     }

@@ -8,6 +8,7 @@
 //! is then the primary one, and ψ, the response to the loads without its part along φ, stands in the place of φ.
 
 use super::expansion::{Directions, Expansion};
+use crate::analysis::dynamics::project_unit_vectors;
 use crate::analysis::unstable_modes::normalize;
 use crate::element::Nodal;
 use crate::system::{System, add_multiple};
@@ -96,12 +97,14 @@ fn correct(
 ) -> Option<Branch> {
     let (mut u, mut load) = (start.to_vec(), load);
     add_multiple(&mut u, distance, mode);
+    project_unit_vectors(system, &mut u);
     for _ in 0..ITERATIONS {
         expansion.factor(system, &u, load).ok()?;
-        let Directions { mut increment, unit } = expansion.directions(system, &u, load).ok()?;
+        let Directions { mut increment, unit, .. } = expansion.directions(system, &u, load).ok()?;
         let change = -system.inner_product(mode, &increment) / system.inner_product(mode, &unit);
         add_multiple(&mut increment, change, &unit);
         add_multiple(&mut u, 1.0, &increment);
+        project_unit_vectors(system, &mut u);
         load += change;
         let size = system.norm(&increment) / distance;
         if !(size <= DIVERGED && load.is_finite()) {

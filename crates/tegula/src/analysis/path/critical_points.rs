@@ -12,7 +12,7 @@ use super::state::{CriticalKind, CriticalPoint};
 use crate::analysis::unstable_modes::normalize;
 use crate::element::Nodal;
 use crate::norm::larger;
-use crate::system::{EvaluationPoint, System, dot};
+use crate::system::{System, dot};
 
 /// Part of the length of a piece within which a bifurcation is located.
 const LOCATED: f64 = 1e-9;
@@ -107,15 +107,14 @@ fn limit_point(system: &System, expansion: &mut Expansion, series: &Series, (a, 
         let (mut before, mut behind) = (fields(), fields());
         for (at, out) in [(a - step, &mut before), (a + step, &mut behind)] {
             series.displacements(at, &mut u);
-            let k = EvaluationPoint::at_rest(system, &u, load, &[]);
-            expansion.assembly().forces(system, &k, out);
+            expansion.forces(system, &u, load, out);
         }
         let moved = expansion.prescribed();
         work -= (dot(moved, &behind) - dot(moved, &before)) / (2.0 * step);
     }
     series.displacements(a, &mut u);
     let mut free = vec![0.0; system.unknowns()];
-    system.frames.components(&mode, &mut free);
+    expansion.assembly().frames.components(&mode, &mut free);
     let unbalanced: f64 = free.iter().zip(&residual).map(|(x, r)| x * r).sum();
     let correction = if work == 0.0 { 0.0 } else { -unbalanced / work };
     let curvature = series.load_derivative(a, 2) * work;

@@ -14,19 +14,23 @@
 //!
 //! B. Cochelin, N. Damil, M. Potier-Ferry, *Méthode asymptotique numérique*, Hermes-Lavoisier, 2007.
 
+use super::directors::DirectorSeries;
+use super::joint_series;
 use super::series::Series;
 use crate::Result;
+use crate::analysis::constraints::Constraints;
 use crate::analysis::newton::NOTHING_MOVES;
 use crate::analysis::solver::{self, Linearization, TangentSolver as _};
 use crate::analysis::unstable_modes::UnstableModes;
 use crate::analysis::unstable_modes::normalize;
+use crate::analysis::{State, equilibrium};
 use crate::element::power_series::KnownOrders;
 use crate::element::{Nodal, TangentWeights};
 use crate::model::PathAnalysis;
 use crate::norm::larger;
 use crate::system::assembly::TangentCoefficients;
 use crate::system::power_series::SeriesStresses;
-use crate::system::{Assembly, EvaluationPoint, System, add_multiple};
+use crate::system::{Assembly, EvaluationPoint, Internal, LocalFrames, System, add_multiple};
 use tegula_sparse::SparseLdlt;
 use tegula_sparse::gmres::noise;
 
@@ -40,12 +44,14 @@ pub struct Directions {
     pub increment: Vec<Nodal>,
     /// Change û of the displacements with the load factor, prescribed displacements included.
     pub unit: Vec<Nodal>,
+    /// Multipliers of joints that belong to both.
+    multipliers: [Vec<f64>; 2],
 }
 
 impl Directions {
     /// Newton increment without its part along a direction of the path, and the change of the load factor that this part stands for.
     pub fn across(&self, system: &System, direction: &[Nodal]) -> (Vec<Nodal>, f64) {
-        let Self { increment, unit } = self;
+        let Self { increment, unit, .. } = self;
         let along = system.inner_product(direction, unit);
         let change = if along == 0.0 { 0.0 } else { -system.inner_product(direction, increment) / along };
         let mut across = increment.clone();
@@ -68,15 +74,20 @@ pub struct Expansion {
     /// Product of the tangent with the prescribed displacements per load factor, and internal forces.
     internal: Vec<Nodal>,
     field: Vec<Nodal>,
+    /// Local frames of the factored tangent.
+    frames: LocalFrames,
+    /// Constraints of joints, where there are some, and the weight of the augmented Lagrangian.
+    constraints: Option<Constraints>,
+    penalty: f64,
     free: Vec<f64>,
 }
 
 impl Expansion {
-    /// Workspace for a system that has power series.
+    /// Workspace for a system that has power series, on a path that begins at a state.
     ///
     /// # Errors
     /// The factor does not fit in memory.
-    pub fn new(system: &System, stresses: SeriesStresses) -> Result<Self> {
+    pub fn new(system: &System, stresses: SeriesStresses, state: &State) -> Result<Self> {
         let fields = || vec![[0.0; 3]; system.vectors()];
         let (mut load, mut prescribed) = (fields(), fields());
         system.add_dead_loads(1.0, 1.0, &mut load);
@@ -92,15 +103,23 @@ impl Expansion {
             .iter()
             .map(|field| system.factor(&field.factor, 1.0) - system.factor(&field.factor, 0.0))
             .collect();
+        let mut assembly = Assembly::new(system);
+        let mut constraints = Constraints::new(system);
+        if let Some(constraints) = &mut constraints {
+            constraints.pass_critical_points();
+        }
         Ok(Self {
             solver: solver::direct(system)?,
-            assembly: Assembly::new(system),
+            penalty: equilibrium::penalty(system, &mut assembly, state),
+            constraints,
+            assembly,
             stresses,
             load,
             prescribed,
             strain_factors,
             internal: fields(),
             field: fields(),
+            frames: system.frames.clone(),
             free: vec![0.0; system.unknowns()],
         })
     }
@@ -115,32 +134,82 @@ impl Expansion {
         &mut self.assembly
     }
 
+    /// Multipliers of joints at a point of the path; the local frames of the assembly are those of the point then.
+    pub fn multipliers(&mut self, system: &System, u: &[Nodal], load: f64) -> Vec<f64> {
+        let none = vec![0.0; system.constraints()];
+        let k = EvaluationPoint::at_rest(system, u, load, Internal { history: &[], multipliers: &none });
+        self.assembly.follow(system, &k);
+        if none.is_empty() {
+            return none;
+        }
+        self.assembly.forces(system, &k, &mut self.field);
+        self.field.as_flattened_mut().iter_mut().for_each(|x| *x = -*x);
+        system.add_dead_loads(load, 1.0, &mut self.field);
+        let mut rest = vec![0.0; self.free.len()];
+        self.assembly.frames.reduce(&self.field, &mut rest);
+        joint_series::multipliers_at(system, &self.assembly.frames, (u, load), &rest)
+    }
+
+    /// Internal forces at a point of the path, with those of joints.
+    pub fn forces(&mut self, system: &System, u: &[Nodal], load: f64, out: &mut [Nodal]) {
+        let multipliers = self.multipliers(system, u, load);
+        self.assembly.forces(system, &point(system, u, load, &multipliers), out);
+    }
+
+    /// Solves `K x + Gᵀν = b` with the factored tangent in place, where `G x = −rest`; returns ν.
+    fn solve(&mut self, rest: &[f64]) -> std::result::Result<Vec<f64>, String> {
+        self.solver.solve_tangent(&mut self.free)?;
+        let Self { constraints, free, .. } = self;
+        Ok(constraints.as_mut().map_or_else(Vec::new, |constraints| constraints.satisfy(rest, free).to_vec()))
+    }
+
+    /// Messages about joints with constraints that are redundant at the factored tangent.
+    pub fn redundant<'a>(&'a self, system: &'a System) -> impl Iterator<Item = String> + 'a {
+        self.constraints.iter().flat_map(|constraints| constraints.redundant(system))
+    }
+
     /// Factors the tangent at a point of the path; returns the number of its negative pivots.
     ///
     /// # Errors
     /// The tangent is singular, or the forces are not finite; the text gives the reason.
     pub fn factor(&mut self, system: &System, u: &[Nodal], load: f64) -> std::result::Result<usize, String> {
-        let k = EvaluationPoint::at_rest(system, u, load, &[]);
-        let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: load };
+        let multipliers = self.multipliers(system, u, load);
+        let k = point(system, u, load, &multipliers);
+        let weights = TangentWeights { penalty: self.penalty, ..TangentWeights::STATIC };
+        let parts = TangentCoefficients { weights, mass: 0.0, time: load };
         let moves = !system.dofs().prescribed.is_empty();
         let prescribed = moves.then_some(self.prescribed.as_slice());
         let at = Linearization { system, point: &k, parts: &parts, extrapolated: false, prescribed };
-        loop {
-            self.solver.assemble(&mut self.assembly, &at, &mut self.internal);
-            if !self.internal.as_flattened().iter().all(|f| f.is_finite()) {
+        self.frames.copy_from(&self.assembly.frames);
+        self.field.fill([0.0; 3]);
+        system.add_dead_loads(load, 1.0, &mut self.field);
+        let mut negative = loop {
+            let Self { solver, assembly, internal, field: external, .. } = self;
+            solver.assemble(assembly, &at, internal);
+            solver.add_curvature(assembly, &at, external);
+            if system.has_body_curvature(&parts.weights) {
+                assembly.add_body_curvature(system, &k, &parts.weights, (false, external));
+            }
+            if !internal.as_flattened().iter().all(|f| f.is_finite()) {
                 return Err("the forces are no longer finite".into());
             }
-            if let Some(done) = self.solver.prepare(&mut self.assembly).transpose() {
-                return done;
+            if let Some(done) = solver.prepare(assembly).transpose() {
+                break done?;
             }
+        };
+        let Self { solver, frames, constraints, .. } = self;
+        if let Some(constraints) = constraints {
+            constraints.take(system, (&k, &parts.weights), frames, solver)?;
+            negative = negative.saturating_sub(constraints.negative_eigenvalues());
         }
+        Ok(negative)
     }
 
     /// Residual `λF − f` of a point in the free degrees of freedom, and its size and that of the larger of both forces
     /// ([`System::force_norm`]).
     pub fn residual(&mut self, system: &System, u: &[Nodal], load: f64, out: &mut [f64]) -> [f64; 2] {
-        let k = EvaluationPoint::at_rest(system, u, load, &[]);
-        self.assembly.forces(system, &k, &mut self.field);
+        let multipliers = self.multipliers(system, u, load);
+        self.assembly.forces(system, &point(system, u, load, &multipliers), &mut self.field);
         let mut external = vec![[0.0; 3]; self.field.len()];
         system.add_dead_loads(load, 1.0, &mut external);
         let size = larger(system.force_norm(&self.field), system.force_norm(&external));
@@ -158,9 +227,9 @@ impl Expansion {
         if self.strain_factors.iter().all(|factor| *factor == 0.0) {
             return;
         }
+        let multipliers = vec![0.0; system.constraints()];
         for (at, sign) in [(load, 1.0), (load + 1.0, -1.0)] {
-            let k = EvaluationPoint::at_rest(system, u, at, &[]);
-            self.assembly.forces(system, &k, &mut self.field);
+            self.assembly.forces(system, &point(system, u, at, &multipliers), &mut self.field);
             for (x, f) in out.as_flattened_mut().iter_mut().zip(self.field.as_flattened()) {
                 *x += sign * f;
             }
@@ -184,15 +253,16 @@ impl Expansion {
     ) -> std::result::Result<(f64, Vec<Nodal>), String> {
         self.free.iter_mut().zip(noise()).for_each(|(x, start)| *x = start);
         let mut mode = vec![[0.0; 3]; system.vectors()];
-        self.assembly.frames.expand(&self.free, &mut mode);
+        self.frames.expand(&self.free, &mut mode);
         normalize(system, &mut mode);
+        let still = vec![0.0; system.constraints()];
         let mut eigenvalue = f64::NAN;
         for _ in 0..iterations {
             let before = mode.clone();
             system.apply_metric(&mut mode);
-            self.assembly.frames.reduce(&mode, &mut self.free);
-            self.solver.solve_tangent(&mut self.free)?;
-            self.assembly.frames.expand(&self.free, &mut mode);
+            self.frames.reduce(&mode, &mut self.free);
+            self.solve(&still)?;
+            self.frames.expand(&self.free, &mut mode);
             eigenvalue = 1.0 / system.inner_product(&before, &mode);
             normalize(system, &mut mode);
         }
@@ -201,8 +271,8 @@ impl Expansion {
 
     /// Eigenvectors of the negative eigenvalues of the factored tangent, whose number is given; `None` where they are not found.
     pub fn unstable_modes(&mut self, system: &System, negative: usize) -> Option<UnstableModes> {
-        let Self { solver, assembly, .. } = self;
-        UnstableModes::of(system, &assembly.frames, negative, &mut |x| solver.solve_tangent(x))
+        let Self { solver, frames, constraints, .. } = self;
+        UnstableModes::of(system, frames, negative, &mut |x| solve_at_rest((solver, constraints), x))
     }
 
     /// Unstable modes of an earlier equilibrium at that of the factored tangent: [`UnstableModes::followed`].
@@ -212,8 +282,8 @@ impl Expansion {
         modes: &UnstableModes,
         negative: usize,
     ) -> Option<UnstableModes> {
-        let Self { solver, assembly, .. } = self;
-        modes.followed(system, &assembly.frames, negative, &mut |x| solver.solve_tangent(x))
+        let Self { solver, frames, constraints, .. } = self;
+        modes.followed(system, frames, negative, &mut |x| solve_at_rest((solver, constraints), x))
     }
 
     /// Series at a point of the path with its directions, whose tangent is factored. It goes on along the direction `before`, at the start
@@ -230,7 +300,7 @@ impl Expansion {
     ) -> std::result::Result<Series, String> {
         // Next to a bifurcation the response to the residual is large along the path.
         let (mut first, change) = directions.across(system, before);
-        let unit = directions.unit;
+        let Directions { unit, multipliers: [of_increment, of_unit], .. } = directions;
         if system.norm(&unit) == 0.0 {
             return Err(NOTHING_MOVES.into());
         }
@@ -246,40 +316,115 @@ impl Expansion {
         add_multiple(&mut first, rest, &unit);
         let load_rate = rest + share * change;
         let denominator = system.inner_product(&unit, &first);
+        let rate = of_increment.iter().zip(&of_unit).map(|(a, b)| share * a + load_rate * b).collect();
+        let mut multipliers = vec![self.multipliers(system, u, load), rate];
         let mut series = Series {
             u: u.to_vec(),
             coefficients: vec![first],
             loads: vec![load, load_rate],
             range: STRAIGHT,
         };
+        let mut directors = self.directors_at(system, &series, &multipliers);
         let highest = options.order as usize;
         for _ in 2..=highest {
-            let factors: Vec<f64> = self.strain_factors.iter().map(|f| f * last(&series.loads)).collect();
-            let known = KnownOrders {
-                reference: &system.coordinates.reference,
-                u,
-                coefficients: &series.coefficients,
-                strain_factors: &factors,
-                highest,
-            };
-            self.assembly.forces_of_order(system, &known, &mut self.stresses, &mut self.field);
-            self.assembly.frames.reduce(&self.field, &mut self.free);
-            self.solver.solve_tangent(&mut self.free)?;
-            let mut next = vec![[0.0; 3]; u.len()];
-            self.assembly.frames.expand(&self.free, &mut next);
-            let load = system.inner_product(&next, &series.coefficients[0]) / denominator;
-            next.as_flattened_mut().iter_mut().for_each(|x| *x = -*x);
-            add_multiple(&mut next, load, &unit);
-            if !(load.is_finite() && system.norm(&next).is_finite()) {
+            let along = (unit.as_slice(), of_unit.as_slice(), denominator);
+            let known = (&series, &mut multipliers);
+            let Some((next, load)) = self.next_order(system, along, known, (highest, &mut directors))? else {
                 // Where the range is short, high orders are beyond the largest number: the series ends before them.
                 break;
-            }
+            };
             series.loads.push(load);
             series.coefficients.push(next);
         }
         series.range = range(system, &series, options.tolerance)
             .ok_or_else(|| "the coefficients of the power series are not finite".to_owned())?;
         Ok(series)
+    }
+
+    /// Directors at the start of a series with their multipliers up to order 1, from those of joints.
+    fn directors_at(&mut self, system: &System, series: &Series, of_joints: &[Vec<f64>]) -> DirectorSeries {
+        let (u, load) = (series.u.as_slice(), series.loads[0]);
+        let mut directors = DirectorSeries::new(system, u);
+        if directors.is_empty() {
+            return directors;
+        }
+        let mut forces = vec![[0.0; 3]; u.len()];
+        self.assembly.forces(system, &point(system, u, load, &of_joints[0]), &mut forces);
+        system.add_dead_loads(load, -1.0, &mut forces);
+        directors.take_multipliers(&forces);
+        forces.fill([0.0; 3]);
+        let last = (series.coefficients[0].as_slice(), last(&series.loads));
+        self.take_multipliers(system, (series, &[]), (last, of_joints), (forces, &mut directors));
+        directors
+    }
+
+    /// Takes the multipliers of directors of an order, from its coefficients of displacements and load factor, the lower coefficients of the
+    /// displacements, the multipliers of joints up to this order, and the known `forces` f_p of the elements and joints.
+    fn take_multipliers(
+        &mut self,
+        system: &System,
+        (series, lower): (&Series, &[Vec<Nodal>]),
+        ((coefficient, load), of_joints): ((&[Nodal], f64), &[Vec<f64>]),
+        (mut forces, directors): (Vec<Nodal>, &mut DirectorSeries),
+    ) {
+        let (u, at) = (series.u.as_slice(), series.loads[0]);
+        let mut part = vec![[0.0; 3]; coefficient.len()];
+        self.assembly.tangent_product(system, &point(system, u, at, &of_joints[0]), coefficient, &mut part);
+        add_multiple(&mut forces, 1.0, &part);
+        self.load_at(system, u, at, &mut part);
+        add_multiple(&mut forces, -load, &part);
+        if let Some(multipliers) = of_joints.last() {
+            joint_series::add_forces(system, u, multipliers, &mut forces);
+        }
+        directors.add_forces(lower, coefficient, &mut forces);
+        directors.take_multipliers(&forces);
+    }
+
+    /// Coefficients of displacements and load factor of the next order; `None` where they are not finite. Those of the multipliers are added.
+    fn next_order(
+        &mut self,
+        system: &System,
+        (unit, of_unit, denominator): (&[Nodal], &[f64], f64),
+        (series, multipliers): (&Series, &mut Vec<Vec<f64>>),
+        (highest, directors): (usize, &mut DirectorSeries),
+    ) -> std::result::Result<Option<(Vec<Nodal>, f64)>, String> {
+        let (u, at) = (series.u.as_slice(), series.loads[0]);
+        let factors: Vec<f64> = self.strain_factors.iter().map(|f| f * last(&series.loads)).collect();
+        let known = KnownOrders {
+            reference: &system.coordinates.reference,
+            u,
+            coefficients: &series.coefficients,
+            strain_factors: &factors,
+            multipliers,
+            highest,
+        };
+        self.assembly.forces_of_order(system, &known, &mut self.stresses, &mut self.field);
+        let forces = self.field.clone();
+        let mut next = vec![[0.0; 3]; u.len()];
+        let across = directors.part_across(system, &series.coefficients);
+        if !directors.is_empty() {
+            self.assembly.tangent_product(system, &point(system, u, at, &multipliers[0]), &across, &mut next);
+            add_multiple(&mut self.field, 1.0, &next);
+            directors.add_forces(&series.coefficients, &across, &mut self.field);
+        }
+        let rates = joint_series::rates(system, u, &across, &series.coefficients);
+        self.frames.reduce(&self.field, &mut self.free);
+        let mut of_order = self.solve(&rates)?;
+        self.frames.expand(&self.free, &mut next);
+        next.as_flattened_mut().iter_mut().for_each(|x| *x = -*x);
+        add_multiple(&mut next, 1.0, &across);
+        let load = -system.inner_product(&next, &series.coefficients[0]) / denominator;
+        add_multiple(&mut next, load, unit);
+        of_order.iter_mut().zip(of_unit).for_each(|(x, unit)| *x = load * unit - *x);
+        multipliers.push(of_order);
+        if !(load.is_finite() && system.norm(&next).is_finite()) {
+            return Ok(None);
+        }
+        if !directors.is_empty() {
+            let order = ((next.as_slice(), load), multipliers.as_slice());
+            self.take_multipliers(system, (series, &series.coefficients), order, (forces, directors));
+        }
+        Ok(Some((next, load)))
     }
 
     /// Directions at a point whose tangent is factored.
@@ -292,40 +437,62 @@ impl Expansion {
         u: &[Nodal],
         load: f64,
     ) -> std::result::Result<Directions, String> {
-        let unit = self.unit_response(system, u, load)?;
+        let (unit, of_unit) = self.unit_response(system, u, load)?;
         let mut residual = vec![0.0; self.free.len()];
         self.residual(system, u, load, &mut residual);
         self.free.copy_from_slice(&residual);
-        self.solver.solve_tangent(&mut self.free)?;
+        let of_increment = self.solve(&joint_series::values(system, u))?;
         let mut increment = vec![[0.0; 3]; u.len()];
-        self.assembly.frames.expand(&self.free, &mut increment);
-        Ok(Directions { increment, unit })
+        self.frames.expand(&self.free, &mut increment);
+        Ok(Directions { increment, unit, multipliers: [of_increment, of_unit] })
     }
 
-    /// Change `û` of the displacements with the load factor along the tangent, prescribed displacements included.
+    /// Change `û` of the displacements with the load factor along the tangent, prescribed displacements included, and that of the multipliers.
     fn unit_response(
         &mut self,
         system: &System,
         u: &[Nodal],
         load: f64,
-    ) -> std::result::Result<Vec<Nodal>, String> {
+    ) -> std::result::Result<(Vec<Nodal>, Vec<f64>), String> {
         let mut force = vec![[0.0; 3]; u.len()];
         self.load_at(system, u, load, &mut force);
         if !system.dofs().prescribed.is_empty() {
             // The factorisation has left f + K ū.
-            let k = EvaluationPoint::at_rest(system, u, load, &[]);
-            self.assembly.forces(system, &k, &mut self.field);
-            let product = self.internal.as_flattened().iter().zip(self.field.as_flattened());
+            let mut without = vec![[0.0; 3]; u.len()];
+            self.forces(system, u, load, &mut without);
+            let product = self.internal.as_flattened().iter().zip(without.as_flattened());
             for (x, (with, without)) in force.as_flattened_mut().iter_mut().zip(product) {
                 *x -= with - without;
             }
         }
-        self.assembly.frames.reduce(&force, &mut self.free);
-        self.solver.solve_tangent(&mut self.free)?;
-        self.assembly.frames.expand(&self.free, &mut force);
+        self.frames.reduce(&force, &mut self.free);
+        let rates = joint_series::rates(system, u, &self.prescribed, &[]);
+        let mut multipliers = self.solve(&rates)?;
+        // The product with the factored tangent contains the augmented Lagrangian.
+        let weights = TangentWeights { penalty: self.penalty, ..TangentWeights::STATIC };
+        let rows = system.joints.iter().flat_map(|joint| joint.multipliers().zip(&joint.rows));
+        rows.for_each(|(i, row)| multipliers[i] += row.weight(&weights) * rates[i]);
+        self.frames.expand(&self.free, &mut force);
         add_multiple(&mut force, 1.0, &self.prescribed);
-        Ok(force)
+        Ok((force, multipliers))
     }
+}
+
+/// Evaluation point of displacements at a load factor, with multipliers of joints.
+fn point<'a>(system: &System, u: &'a [Nodal], load: f64, multipliers: &'a [f64]) -> EvaluationPoint<'a> {
+    EvaluationPoint::at_rest(system, u, load, Internal { history: &[], multipliers })
+}
+
+/// Solves with the factored tangent of the motions that joints leave.
+fn solve_at_rest(
+    (solver, constraints): (&mut SparseLdlt, &mut Option<Constraints>),
+    x: &mut [f64],
+) -> std::result::Result<(), String> {
+    solver.solve_tangent(x)?;
+    if let Some(constraints) = constraints {
+        constraints.constrain(x);
+    }
+    Ok(())
 }
 
 /// Length of a series by its last term, `(ε |v₁| / |v_N|)^{1/(N−1)}`; `None` where the terms are not finite.

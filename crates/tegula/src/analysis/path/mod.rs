@@ -5,19 +5,22 @@
 //! analytic curve. At a point of the path one factorisation of the tangent gives displacements and load factor as power series in the
 //! path parameter (asymptotic numerical method). The series holds up to a length that its last term tells; there the
 //! next one begins. Nothing is iterated and no step length is guessed, and what lies between the ends of a step is known as a
-//! polynomial: reported points, wanted load factors, limit points and the end of the path are evaluated from it.
+//! polynomial: reported points, wanted load factors, limit points and the end of the path are evaluated from it. Inextensible directors,
+//! bodies, beams and joints add quadratic constraints with multipliers, which are power series, too.
 //!
-//! **Arc-length method.** Of models whose equilibrium is no polynomial, with joints, bodies, beams, inextensible directors, nonlinear
-//! materials or follower loads, Newton's method finds the next equilibrium on a plane across the path, with the load factor as an unknown. It
+//! **Arc-length method.** Of models whose equilibrium is no polynomial, with springs, driven joints, nonlinear materials or follower
+//! loads, Newton's method finds the next equilibrium on a plane across the path, with the load factor as an unknown. It
 //! goes on, too, where power series lead no further, unless these are asked for.
 
 mod arc_length;
 mod branch;
 mod critical_points;
 mod crossing;
+mod directors;
 mod expansion;
 mod geometric;
 mod hand_over;
+mod joint_series;
 mod opposite_crossings;
 mod piece;
 mod scope;

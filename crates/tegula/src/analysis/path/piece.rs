@@ -9,6 +9,7 @@ use super::opposite_crossings::{Place, opposite_crossings};
 use super::series::{Series, is_flat};
 use super::start::{away_from_critical_point, forward};
 use super::state::{CriticalKind, CriticalPoint, ExpansionPoint};
+use crate::analysis::dynamics::project_unit_vectors;
 use crate::analysis::unstable_modes::UnstableModes;
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
@@ -228,10 +229,13 @@ impl Piece {
     }
 
     /// Displacements at a parameter; at the end of the path the corrected ones.
-    pub fn displacements(&self, a: f64, out: &mut [Nodal]) {
+    pub fn displacements(&self, system: &System, a: f64, out: &mut [Nodal]) {
         match self.last.as_ref().filter(|_| a == self.length) {
             Some(last) => out.copy_from_slice(last),
-            None => self.series.displacements(a, out),
+            None => {
+                self.series.displacements(a, out);
+                project_unit_vectors(system, out);
+            }
         }
     }
 
@@ -369,6 +373,7 @@ impl End {
     fn new(system: &System, expansion: &mut Expansion, series: &Series, length: f64) -> Result<Self, String> {
         let mut u = series.u.clone();
         series.displacements(length, &mut u);
+        project_unit_vectors(system, &mut u);
         let load = series.load(length);
         let negative = expansion.factor(system, &u, load)?;
         let directions = expansion.directions(system, &u, load)?;
@@ -400,6 +405,7 @@ impl End {
             }
             before = error;
             add_multiple(&mut self.u, 1.0, &increment);
+            project_unit_vectors(system, &mut self.u);
             self.load += change;
             self.negative = expansion.factor(system, &self.u, self.load)?;
             self.directions = expansion.directions(system, &self.u, self.load)?;
@@ -410,7 +416,7 @@ impl End {
     /// Displacements at a load factor by Newton's method from this end, the tangent of which is factored; `None` where it does not converge, as at
     /// limit points. The next increment is expected to be as much less as the residual is.
     fn at_load(&self, system: &System, expansion: &mut Expansion, load: f64) -> Option<Vec<Nodal>> {
-        let Directions { increment, unit } = &self.directions;
+        let Directions { increment, unit, .. } = &self.directions;
         let (mut u, mut increment) = (self.u.clone(), increment.clone());
         add_multiple(&mut increment, load - self.load, unit);
         let mut left = vec![0.0; system.unknowns()];
@@ -423,6 +429,7 @@ impl End {
             }
             before = size;
             add_multiple(&mut u, 1.0, &increment);
+            project_unit_vectors(system, &mut u);
             let [behind, _] = expansion.residual(system, &u, load, &mut left);
             if size * (behind / residual) <= AT_LOAD || size <= AT_LOAD {
                 return Some(u);

@@ -1,5 +1,6 @@
 //! Scope of the methods: power series need equilibrium equations that are polynomials, the arc-length method smooth loads.
 
+use super::joint_series;
 use crate::error::Issue;
 use crate::load::TimeFunction;
 use crate::model::{PathAnalysis, PathMethod};
@@ -54,8 +55,8 @@ pub fn without_series(reason: &str) -> Issue {
     Issue::new(
         "analysis.method",
         format!("the path cannot be expanded into power series: {reason}"),
-        "take elements with free directors (`ems`, `cm`, `solid-shell`, `ancf-full`), linear materials, and loads of constant direction \
-         that grow from 0 in a straight line; or leave `method` out for the arc-length method",
+        "take linear materials, joints of quadratic constraints without drives, no springs, and loads of constant direction that grow from 0 in a \
+         straight line; or leave `method` out for the arc-length method",
     )
 }
 
@@ -110,16 +111,20 @@ const SLOPE: f64 = 1e-6;
 
 fn reason(system: &System) -> Option<String> {
     let dofs = system.dofs();
-    let bodies = !system.coordinates.bodies.is_empty() || !dofs.triads.is_empty();
+    let is_unit = |v: usize| dofs.unit.iter().any(|unit| unit.vector as usize == v);
+    let driven = dofs.prescribed.iter().any(|motion| !motion.held && is_unit(motion.place().0));
     let given = [
-        (bodies, "rigid bodies and beams turn by the exponential map, which is no polynomial"),
-        (!system.joints.is_empty(), "joints have constraints with multipliers"),
-        (!dofs.unit.is_empty(), "inextensible directors move on a sphere, which is no polynomial"),
+        (driven, "prescribed motions turn inextensible directors"),
         (system.has_follower_loads(), "follower loads turn with the model"),
         (!system.without_internal_variables(), "a material or an enhanced strain keeps a history"),
     ];
     if let Some((_, reason)) = given.into_iter().find(|(is, _)| *is) {
         return Some(reason.into());
+    }
+    if let Some(name) = joint_series::without_series(system) {
+        return Some(format!(
+            "the constraints of joint \"{name}\" are no quadratic forms, or depend on a drive, friction or stops"
+        ));
     }
     let bent = system.amplitudes_in_use().find(|(i, _)| !system.amplitudes.get(*i).is_some_and(is_affine))?;
     let name = system.amplitude_names.get(bent.0).map_or("", String::as_str);

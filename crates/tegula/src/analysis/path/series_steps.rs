@@ -5,6 +5,7 @@ use super::piece::{Piece, Start};
 use super::start::in_equilibrium;
 use super::state::{ExpansionPoint, PathState, ended_early, not_continued};
 use super::{first_state, scope};
+use crate::analysis::bending_watch::BendingWatch;
 use crate::analysis::statics::{self, reactions};
 use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched};
@@ -32,6 +33,7 @@ pub struct SeriesSteps<'a> {
     limit: f64,
     /// Displacements of a point that is looked at.
     trial: Vec<Nodal>,
+    bending: BendingWatch,
 }
 
 impl<'a> SeriesSteps<'a> {
@@ -42,13 +44,14 @@ impl<'a> SeriesSteps<'a> {
     pub fn new(system: &'a System, options: &'a PathAnalysis, start: Option<State>) -> Result<Self> {
         let stresses = scope::stresses(system, options.order as usize)
             .map_err(|reason| Error::Model(vec![scope::without_series(&reason)]))?;
-        let mut expansion = Expansion::new(system, stresses)?;
         let state = start.filter(|state| state.path.is_some()).unwrap_or_else(|| first_state(system));
+        let mut expansion = Expansion::new(system, stresses, &state)?;
         Ok(Self {
             balance: statics::energies(system, expansion.assembly(), &state),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
             trial: state.u.clone(),
             limit: f64::INFINITY,
+            bending: BendingWatch::new(),
             piece: None,
             begun: None,
             without_branch: false,
@@ -114,8 +117,9 @@ impl<'a> SeriesSteps<'a> {
     fn go_to(&mut self, a: f64, observer: &mut dyn Observer) {
         let Self { system, options, state, trial, piece, expansion, .. } = self;
         let Some(piece) = piece else { return };
-        piece.displacements(a, &mut state.u);
+        piece.displacements(system, a, &mut state.u);
         state.time = piece.load(a);
+        state.multipliers = expansion.multipliers(system, &state.u, state.time);
         state.step += 1;
         let Some(path) = &mut state.path else { return };
         let from = path.position;
@@ -135,6 +139,10 @@ impl<'a> SeriesSteps<'a> {
         if !system.dofs().prescribed.is_empty() {
             state.work += work_of_prescribed((system, expansion), piece, [from, path.position], trial);
         }
+        if state.step == 1 {
+            expansion.redundant(system).for_each(|message| observer.on_warning(&message));
+        }
+        self.bending.look(system, &state.u, observer, || format!("load factor {}", state.time));
         self.statistics.steps = state.step;
         self.balance = statics::energies(system, expansion.assembly(), state);
     }
@@ -211,6 +219,7 @@ fn work_of_prescribed(
             let a = start + half * (2.0 * f64::from(part) + 1.0 + x);
             piece.series().displacements(a, &mut state.u);
             state.time = piece.series().load(a);
+            state.multipliers = expansion.multipliers(system, &state.u, state.time);
             let forces = reactions(system, expansion.assembly(), &state);
             piece.series().direction(a, u);
             work += half * weight * system.product_of_prescribed(&forces, u);

@@ -1,0 +1,152 @@
+//! Joints in the power series of a path: quadratic constraints `g(v) = 0` with their multipliers ν.
+//!
+//! At order p, with the gradients G at the expansion point and the second derivatives g″ of the constraints,
+//!
+//! ```text
+//! K v_p + Gᵀ ν_p = λ_p F − f_p − Σ_{r=1}^{p−1} ν_r·g″ v_{p−r},     G v_p = −½ Σ_{r=1}^{p−1} v_r·g″ v_{p−r}
+//! ```
+//!
+//! where K contains `ν₀·g″`: each order is a solution with the Schur complement that Newton's method has.
+//!
+//! The multipliers of an equilibrium follow from its displacements, `Gᵀν = λF − f`, in the sense of least squares: of constraints that depend
+//! on each other those of minimum norm. So a path carries none from point to point.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::Vec3;
+use crate::analysis::constraints::gradients_of;
+use crate::element::Nodal;
+use crate::system::{LocalFrames, System, VectorKind};
+
+/// Eigenvalue or pivot of the normal equations, scaled to a unit diagonal, over the largest one that is round-off of a dependent constraint.
+const ROUNDING: f64 = 1e-11;
+
+/// Joint whose constraints are no quadratic forms, or depend on a drive, friction or stops; `None` where there is none.
+pub fn without_series(system: &System) -> Option<&str> {
+    let quadratic = |joint: &&crate::constraint::Joint| {
+        joint.law.is_none() && joint.drive.is_none() && joint.rows.iter().all(|row| row.is_quadratic())
+    };
+    system.joints.iter().find(|joint| !quadratic(joint)).map(|joint| joint.name.as_str())
+}
+
+/// Multipliers of the constraints at an equilibrium with these displacements and load factor, from the forces `rest` that they balance.
+pub fn multipliers_at(
+    system: &System,
+    frames: &LocalFrames,
+    (u, load): (&[Nodal], f64),
+    rest: &[f64],
+) -> Vec<f64> {
+    let gradients = gradients_of(system, frames, (u, load));
+    let weights = weights(system, frames);
+    let m = gradients.len();
+    let mut dense = vec![0.0; rest.len()];
+    let mut matrix = DMatrix::zeros(m, m);
+    let mut right = DVector::zeros(m);
+    for (i, gradient) in gradients.iter().enumerate() {
+        gradient.iter().for_each(|&(n, x)| dense[n as usize] = x * weights[n as usize]);
+        for (j, other) in gradients[..=i].iter().enumerate() {
+            let product: f64 = other.iter().map(|&(n, x)| x * dense[n as usize]).sum();
+            (matrix[(i, j)], matrix[(j, i)]) = (product, product);
+        }
+        right[i] = gradient.iter().map(|&(n, _)| dense[n as usize] * rest[n as usize]).sum();
+        gradient.iter().for_each(|&(n, _)| dense[n as usize] = 0.0);
+    }
+    minimum_norm(matrix, right)
+}
+
+/// Solution of minimum norm of a symmetric system that may be singular, in unknowns that make its diagonal 1.
+fn minimum_norm(mut matrix: DMatrix<f64>, mut right: DVector<f64>) -> Vec<f64> {
+    let m = right.len();
+    let scale: Vec<f64> =
+        (0..m).map(|i| if matrix[(i, i)] > 0.0 { matrix[(i, i)].sqrt().recip() } else { 0.0 }).collect();
+    for i in 0..m {
+        right[i] *= scale[i];
+        (0..m).for_each(|j| matrix[(i, j)] *= scale[i] * scale[j]);
+    }
+    if let Some(factor) = matrix.clone().cholesky()
+        && factor.l_dirty().diagonal().iter().all(|pivot| pivot * pivot > ROUNDING)
+    {
+        let solution = factor.solve(&right);
+        return solution.iter().zip(scale).map(|(x, scale)| x * scale).collect();
+    }
+    let eigen = matrix.symmetric_eigen();
+    let limit = ROUNDING * eigen.eigenvalues.iter().fold(0.0, |a: f64, x| crate::norm::larger(a, x.abs()));
+    let mut parts = eigen.eigenvectors.tr_mul(&right);
+    for (part, value) in parts.iter_mut().zip(eigen.eigenvalues.iter()) {
+        *part = if *value > limit { *part / value } else { 0.0 };
+    }
+    let solution = eigen.eigenvectors * parts;
+    solution.iter().zip(scale).map(|(x, scale)| x * scale).collect()
+}
+
+/// Weights of the squares of the residual: forces count as they are, and moments and forces on directors over the length of the model.
+fn weights(system: &System, frames: &LocalFrames) -> Vec<f64> {
+    let mut out = vec![0.0; system.unknowns()];
+    for (v, kind) in system.coordinates.kinds.iter().enumerate() {
+        let weight = if *kind == VectorKind::Position { 1.0 } else { system.length.powi(-2) };
+        for number in frames.of(v) {
+            if let Some(out) = out.get_mut(number as usize) {
+                *out = weight;
+            }
+        }
+    }
+    out
+}
+
+/// Products `G x` of the gradients at displacements with a field, and half the second derivatives along pairs of lower coefficients.
+pub fn rates(system: &System, u: &[Nodal], field: &[Nodal], coefficients: &[Vec<Nodal>]) -> Vec<f64> {
+    let mut out = vec![0.0; system.constraints()];
+    let of = |field: &[Nodal], v: u32| Vec3::from(field[v as usize]);
+    for joint in system.joints.iter() {
+        let values = |field: &[Nodal]| -> Vec<Vec3> { joint.vectors.iter().map(|&v| of(field, v)).collect() };
+        let (x, lower): (_, Vec<Vec<Vec3>>) =
+            (values(field), coefficients.iter().map(|field| values(field)).collect());
+        joint.with_vectors(
+            |v| of(&system.coordinates.reference, v as u32) + of(u, v as u32),
+            |q, gradient| {
+                for (number, row) in joint.multipliers().zip(&joint.rows) {
+                    gradient.fill(Vec3::zeros());
+                    row.add_gradient(1.0, q, 0.0, gradient);
+                    let along: f64 = gradient.iter().zip(&x).map(|(g, x)| g.dot(x)).sum();
+                    let pairs = lower.iter().zip(lower.iter().rev());
+                    let bent: f64 = pairs.map(|(a, b)| row.second_derivative(a, b)).sum();
+                    out[number] = along + 0.5 * bent;
+                }
+            },
+        );
+    }
+    out
+}
+
+/// Values of the constraints at displacements.
+pub fn values(system: &System, u: &[Nodal]) -> Vec<f64> {
+    let mut out = vec![0.0; system.constraints()];
+    for joint in system.joints.iter() {
+        joint.with_vectors(
+            |v| Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v]),
+            |q, _| {
+                for (number, row) in joint.multipliers().zip(&joint.rows) {
+                    out[number] = row.value(q, 0.0);
+                }
+            },
+        );
+    }
+    out
+}
+
+/// Adds the constraint forces `Gᵀν` at displacements.
+pub fn add_forces(system: &System, u: &[Nodal], multipliers: &[f64], out: &mut [Nodal]) {
+    for joint in system.joints.iter() {
+        joint.with_vectors(
+            |v| Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v]),
+            |q, gradient| {
+                for (number, row) in joint.multipliers().zip(&joint.rows) {
+                    row.add_gradient(multipliers[number], q, 0.0, gradient);
+                }
+                for (&v, g) in joint.vectors.iter().zip(gradient.iter()) {
+                    (0..3).for_each(|i| out[v as usize][i] += g[i]);
+                }
+            },
+        );
+    }
+}

@@ -1,0 +1,172 @@
+//! Equilibrium paths by power series of models with quadratic constraints: inextensible directors, rigid bodies, beams, joints.
+
+use crate::arc_length::{Record, by_arc_length, centre, run};
+use crate::beams::fixed;
+use crate::multibody::{body, revolute};
+use crate::paths::{critical, follow, roof};
+use tegula::analysis::path::{CriticalKind, PathOutcome};
+use tegula::model::*;
+use tegula::{System, Vec3};
+
+/// Outcomes by power series, which are the default, and by the arc-length method.
+fn both(m: &Model) -> [(System, PathOutcome, Record); 2] {
+    let found = [m.clone(), by_arc_length(m)].map(|m| run(&m));
+    assert!(found[0].2.events.iter().all(|event| !event.contains("arc-length")), "{:?}", found[0].2.events);
+    found
+}
+
+/// Distance of the displacements of two outcomes over their size.
+fn distance([a, b]: [&PathOutcome; 2]) -> f64 {
+    let size = |u: &[[f64; 3]]| u.as_flattened().iter().map(|x| x * x).sum::<f64>().sqrt();
+    let pairs = a.state.u.iter().zip(&b.state.u);
+    let difference: Vec<[f64; 3]> = pairs.map(|(a, b)| std::array::from_fn(|i| a[i] - b[i])).collect();
+    size(&difference) / size(&b.state.u)
+}
+
+fn path_of(bodies: Vec<RigidBody>, beams: Vec<Beam>, joints: Vec<Joint>, loads: Vec<Load>) -> Model {
+    let options = PathAnalysis { end_load: 1.0, ..Default::default() };
+    Model { beams, loads, ..Model::of_bodies(Analysis::Path(options), bodies, joints) }
+}
+
+/// A beam that hardly stretches, shears and twists, with these bending stiffnesses about z (the first one of a beam along x) and across it.
+fn slender(name: &str, points: [[f64; 3]; 2], elements: u32, bending: [f64; 2]) -> Beam {
+    let constants = SectionConstants {
+        axial: 1e6,
+        shear: [1e6; 2],
+        bending,
+        torsion: 1e3,
+        mass: 1.0,
+        inertia: [1e-3; 2],
+    };
+    Beam::straight(name, points, elements, [0.0, 0.0, 1.0], BeamSection::Constants(constants))
+}
+
+fn force(on: &str, value: [f64; 3]) -> Load {
+    Load::Force(VectorLoad::new(on, value))
+}
+
+/// Bilinear shells of inextensible directors (MITC4): both limit points of the hinged roof, and its snap-back.
+#[test]
+fn a_roof_of_inextensible_directors_has_its_limit_points_in_few_factorisations() {
+    let mut m = roof(8, 6.35);
+    m.sections[0].element = ElementKind::Mitc4;
+    m.sections[0].membrane = None;
+    let [(series, _), (arc, _)] = [m.clone(), by_arc_length(&m)].map(|m| follow(&m, "u_min_v_min"));
+    let [found, other] = [&series, &arc].map(critical);
+    let kinds: Vec<_> = found.iter().map(|p| (p.kind, p.change)).collect();
+    assert_eq!(kinds, [(CriticalKind::Limit, 1), (CriticalKind::Limit, -1)]);
+    for (point, other) in found.iter().zip(&other) {
+        assert!((point.load / other.load - 1.0).abs() < 1e-8, "{} {}", point.load, other.load);
+    }
+    let counts = [series.statistics.factorizations, arc.statistics.factorizations];
+    println!("{counts:?}");
+    assert!(counts[0] <= 26 && series.statistics.iterations == 0, "{counts:?}");
+}
+
+/// A cantilever under a dead force across its end, P L²/(E I) = 10: K. Mattiasson, Numerical results from large deflection beam and frame
+/// problems analysed by means of elliptic integrals, Int. J. Numer. Meth. Engng 17 (1981) 145–153, Table I.
+#[test]
+fn a_cantilever_of_beams_bends_as_elliptic_integrals_say() {
+    let beam = slender("arm", [[0.0; 3], [1.0, 0.0, 0.0]], 128, [1.0; 2]);
+    let clamp = fixed("clamp", "ground", "arm.start", [0.0; 3]);
+    let m = path_of(Vec::new(), vec![beam], vec![clamp], vec![force("arm.end", [0.0, 0.0, -10.0])]);
+    let [(system, series, _), (_, arc, _)] = both(&m);
+    let end = centre(&system, &series.state, "arm.end") - Vec3::x();
+    assert!((end.x + 0.55500).abs() < 1e-4 && (end.z + 0.81061).abs() < 1e-4 && end.y == 0.0, "{end}");
+    assert!(distance([&series, &arc]) < 1e-9, "{}", distance([&series, &arc]));
+    assert!(series.statistics.factorizations <= 8, "{}", series.statistics.factorizations);
+    let multipliers = series.state.multipliers.iter().zip(&arc.state.multipliers);
+    multipliers.for_each(|(a, b)| assert!((a - b).abs() < 1e-7, "{a} {b}"));
+}
+
+/// The same beam in space, clamped twice: the reactions are shared, the path is the same, and a warning tells of it.
+#[test]
+fn redundant_joints_share_their_reactions_on_a_path() {
+    let beam = slender("arm", [[0.0; 3], [1.0, 0.0, 0.0]], 8, [1.0, 0.5]);
+    let clamp = |name: &str| fixed(name, "ground", "arm.start", [0.0; 3]);
+    let loads = vec![force("arm.end", [0.0, 2.0, -5.0])];
+    let single = path_of(Vec::new(), vec![beam.clone()], vec![clamp("a")], loads.clone());
+    let double = path_of(Vec::new(), vec![beam], vec![clamp("a"), clamp("b")], loads);
+    let (_, alone, _) = run(&single);
+    let (system, twice, record) = run(&double);
+    assert!(distance([&twice, &alone]) < 1e-9);
+    assert!(
+        record.events.iter().any(|event| event.contains("its reactions are not unique")),
+        "{:?}",
+        record.events
+    );
+    let n = system.constraints() / 2;
+    for (i, whole) in alone.state.multipliers.iter().enumerate() {
+        for part in [twice.state.multipliers[i], twice.state.multipliers[n + i]] {
+            assert!((part - 0.5 * whole).abs() < 1e-7 * (1.0 + whole.abs()), "{part} {whole}");
+        }
+    }
+}
+
+/// A column between hinges of which one slides: Euler's load, and the path that branches off there as the arc-length method finds it.
+#[test]
+fn a_column_of_beams_on_joints_branches_at_eulers_load() {
+    let euler = std::f64::consts::PI.powi(2) * 0.5;
+    let beam = slender("column", [[0.0; 3], [1.0, 0.0, 0.0]], 32, [0.5, 1.0]);
+    let foot = revolute("foot", "ground", "column.start", [0.0; 3], [0.0, 0.0, 1.0]);
+    let guide = |name: &str, at| {
+        Joint::Cylindrical(crate::multibody::axis_joint(name, "ground", "head", at, [1.0, 0.0, 0.0]))
+    };
+    let head = body("head", [1.0, 0.0, 0.0], 1.0, Some([1.0; 3]));
+    let pin = revolute("pin", "head", "column.end", [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+    let joints = vec![foot, pin, guide("guide", [1.0, 0.0, 0.0])];
+    let mut m = path_of(vec![head], vec![beam], joints, vec![force("head", [-1.2 * euler, 0.0, 0.0])]);
+    let [(_, series, _), (_, arc, _)] = both(&m);
+    let [found, other] = [&series, &arc].map(critical);
+    assert_eq!((found.len(), found[0].kind), (1, CriticalKind::Bifurcation));
+    assert!((1.2 * found[0].load - 1.0).abs() < 2e-3, "{}", 1.2 * found[0].load);
+    assert!((found[0].load / other[0].load - 1.0).abs() < 1e-7, "{} {}", found[0].load, other[0].load);
+    let Analysis::Path(options) = &mut m.analysis else { panic!() };
+    options.switch_at = vec![1];
+    let [(system, series, _), (_, arc, _)] = both(&m);
+    let middle = |outcome: &PathOutcome| centre(&system, &outcome.state, "column.16").y.abs();
+    assert!(middle(&series) > 0.3, "{}", middle(&series));
+    assert!((middle(&series) / middle(&arc) - 1.0).abs() < 1e-6, "{} {}", middle(&series), middle(&arc));
+}
+
+/// Two beams at a right angle, welded with a fixed joint, on hinges, snap through at 18.5 E I/L²: the frame of S. L. Lee, F. S. Manuel, E. C. Rossow,
+/// J. Eng. Mech. Div. ASCE 94 (1968) 521–547; J. C. Simo, L. Vu-Quoc, Comput. Methods Appl. Mech. Engrg. 58 (1986) 79–116.
+#[test]
+fn a_frame_of_beams_snaps_as_by_arc_length() {
+    let column = slender("column", [[0.0; 3], [0.0, 1.0, 0.0]], 40, [1.0, 1e3]);
+    let girder = slender("girder", [[0.0, 1.0, 0.0], [1.0, 1.0, 0.0]], 40, [1.0, 1e3]);
+    let axis = [0.0, 0.0, 1.0];
+    let joints = vec![
+        revolute("foot", "ground", "column.start", [0.0; 3], axis),
+        fixed("corner", "column.end", "girder.start", [0.0, 1.0, 0.0]),
+        revolute("wall", "ground", "girder.end", [1.0, 1.0, 0.0], axis),
+    ];
+    let m = path_of(Vec::new(), vec![column, girder], joints, vec![force("girder.8", [0.0, -20.0, 0.0])]);
+    let [(_, series, _), (_, arc, _)] = both(&m);
+    let [found, other] = [&series, &arc].map(critical);
+    assert!(found.len() >= 2 && found.len() == other.len(), "{found:?} {other:?}");
+    for (point, other) in found.iter().zip(&other) {
+        assert!((point.load / other.load - 1.0).abs() < 1e-6, "{} {}", point.load, other.load);
+    }
+    let limit = 20.0 * found[0].load;
+    println!("{limit}");
+    assert!((limit / 18.5 - 1.0).abs() < 0.01, "{limit}");
+    println!("{:?}", [&series, &arc].map(|outcome| outcome.statistics.factorizations));
+}
+
+/// A force on a rigid body that an edge of a plate is fixed in, with free and with inextensible directors.
+#[test]
+fn a_body_on_the_edge_of_a_plate_moves_as_by_arc_length() {
+    for element in [ElementKind::Ems, ElementKind::Mitc4] {
+        let mut m = crate::common::model(crate::common::plate([1.0, 0.2], [8, 2], 0.0), 1e9, 0.01);
+        m.sections[0].element = element;
+        let mut tip = body("tip", [1.1, 0.1, 0.03], 1.0, Some([1.0; 3]));
+        tip.attached = vec!["u_max".into()];
+        m.bodies = vec![tip];
+        m.loads = vec![force("tip", [0.0, 80.0, 400.0])];
+        m.analysis = Analysis::Path(PathAnalysis { end_load: 1.0, ..Default::default() });
+        let [(_, series, _), (_, arc, _)] = both(&m);
+        assert!(distance([&series, &arc]) < 1e-9, "{}", distance([&series, &arc]));
+        assert!(10 * series.statistics.factorizations < arc.statistics.factorizations);
+    }
+}
