@@ -51,7 +51,7 @@ const DRIVEN: f64 = 1e-3;
 const LANES: usize = 4;
 
 /// Gradient of a constraint with respect to the free degrees of freedom: numbers and values.
-pub(super) type Gradient = Vec<(u32, f64)>;
+pub type Gradient = Vec<(u32, f64)>;
 
 /// Rates of constraints.
 #[derive(Debug, Clone, Copy)]
@@ -487,6 +487,24 @@ pub(super) fn joint_rates(
 /// Gradients of all constraints in a state, with respect to the degrees of freedom of `frames`; those of friction and stops are empty.
 pub(super) fn gradients_at(system: &System, frames: &LocalFrames, state: &State) -> Vec<Gradient> {
     gradients_of(system, frames, (&state.u, state.time))
+}
+
+/// Values of all constraints in a state, in the order of its multipliers; 0 for those of friction and stops.
+pub(super) fn values_at(system: &System, state: &State) -> Vec<f64> {
+    let (laws, mut counted) = (Laws::new(system), vec![0.0; system.joints.len()]);
+    count_turns(system, &state.angles, &mut counted);
+    let mut out = vec![0.0; system.constraints()];
+    let motion = Motion::State { u: &state.u, velocity: None };
+    for joint in system.joints.iter() {
+        let target = target(system, (&laws, &counted), joint, state.time);
+        joint.with_vectors(end_of(system, &motion), |v, _| {
+            for (i, row) in joint.multipliers().zip(&joint.rows) {
+                out[i] = row.value(v, target);
+            }
+        });
+    }
+    laws.clear(&mut out);
+    out
 }
 
 /// Gradients of the constraints at displacements and a time.

@@ -412,6 +412,8 @@ pub fn error_of_whole_tangent(system: &System, state: &State) -> f64 {
     let mut skew = CirculatoryStiffness::new(system);
     let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: state.time };
     skew.take(system, &Motion::State { u: &state.u, velocity: None }, &parts);
+    let mut entries = vec![0.0; n * n];
+    skew.for_each_entry(&frames, |i, j, x| entries[i as usize * n + j as usize] += x);
     let (mut largest, mut worst) = (0.0_f64, 0.0_f64);
     for (j, exact) in columns.iter().enumerate() {
         let (mut x, mut whole, mut part) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
@@ -419,6 +421,8 @@ pub fn error_of_whole_tangent(system: &System, state: &State) -> f64 {
         pattern.add_product(&values, &x, &mut whole);
         skew.product(&frames, &x, &mut part);
         for i in 0..n {
+            let entry = entries[i * n + j];
+            approx::assert_relative_eq!(entry, part[i], max_relative = 1e-12, epsilon = 1e-15);
             largest = larger(largest, part[i].abs());
             worst = larger(worst, (whole[i] + part[i] - exact[i]).abs());
         }
