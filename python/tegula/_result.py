@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ._errors import OutputError
 from ._folder import TemporaryFolder
-from ._tegula import report_page, write_report
+from ._tegula import read_table, report_page, write_report
 
 MOST_IN_NOTEBOOK = 8_000_000
 """Characters of a report in a notebook, which keeps a copy of it."""
@@ -73,23 +73,7 @@ class Table(Mapping[str, NDArray[np.float64]]):
     """Columns of a table by their names; each is a read-only array with an entry for each row."""
 
     def __init__(self, path: Path) -> None:
-        try:
-            with path.open(encoding="utf-8") as file:
-                names = file.readline().rstrip("\n").split(",")
-                if names == [""]:
-                    raise ValueError("it is empty")
-                lines = file.readlines()
-                values = np.loadtxt(lines, delimiter=",", ndmin=2) if lines else np.empty((0, len(names)))
-        except OSError as error:
-            raise OutputError(f"the table {path} cannot be read: {error}") from error
-        except ValueError as error:
-            raise OutputError(f"the table {path} is damaged: {error}") from error
-        if values.shape[1] != len(names):
-            raise OutputError(f"the table {path} is damaged: it has {values.shape[1]} columns for {len(names)} names")
-        columns = values.T.copy()
-        # All who read the result share them.
-        columns.flags.writeable = False
-        self._columns = dict(zip(names, columns, strict=True))
+        self._columns = dict(read_table(path))
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)

@@ -418,7 +418,7 @@ class Runs(unittest.TestCase):
             _ = result.history["tip.u"]
         for damaged in ("time,a\n1,2,3\n", "", "time\n0.0\nx\n"):
             (self.out / "history.csv").write_text(damaged)
-            with self.assertRaisesRegex(tegula.OutputError, "damaged"):
+            with self.assertRaisesRegex(tegula.OutputError, "history.csv` cannot be used"):
                 _ = tegula.Result(self.out).history
         for damaged in ("{}", "[]", "null", "{"):
             (self.out / "summary.json").write_text(damaged)

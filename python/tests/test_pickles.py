@@ -89,6 +89,19 @@ class Pickles(unittest.TestCase):
         gc.collect()
         self.assertFalse(folder.exists())
 
+    def test_tables_are_read_whole_and_without_unfinished_rows(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            result = tegula.run(cantilever(), folder)
+            text = 'time,"a, b"\n0.1,NaN\n1e-300,-0.0\n2.0,1.2'
+            (Path(folder) / "own.csv").write_text(text)
+            table = result.table("own.csv")
+        self.assertEqual(list(table), ["time", "a, b"])
+        self.assertEqual(table["time"].tolist(), [0.1, 1e-300])
+        self.assertTrue(np.isnan(table["a, b"][0]) and np.signbit(table["a, b"][1]))
+        for other in copies(table):
+            np.testing.assert_array_equal(other["a, b"], table["a, b"])
+            self.assertFalse(other["time"].flags.writeable)
+
     def test_results_of_steps_and_modes_keep_their_parts(self) -> None:
         steps = [
             {"name": "preload", "analysis": {"type": "static"}},

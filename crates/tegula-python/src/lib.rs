@@ -18,7 +18,7 @@ mod _tegula {
     #[pymodule_export]
     use super::model::Deck;
     #[pymodule_export]
-    use super::report::{report_page, write_report};
+    use super::report::{read_table, report_page, write_report};
     #[pymodule_export]
     use super::simulation::Steps;
     #[pymodule_export]
