@@ -122,8 +122,8 @@ class State:
         return f"<tegula.State at {self.time:g} after {self.step} steps, of {len(self.displacements)} nodal vectors>"
 
 
-def _loaded(dump: bytes, middle: NDArray[np.float64]) -> State:
-    return State._of(CompiledState.load(dump, middle))
+def _loaded(dump: bytes, middle: NDArray[np.float64], analysis: str) -> State:
+    return State._of(CompiledState.load(dump, middle, analysis))
 
 
 class Equations:
@@ -210,7 +210,10 @@ class Equations:
         return State._of(self._equations.moved(state._state, np.asarray(increment, dtype=np.float64)))
 
     def residual(self, state: State) -> NDArray[np.float64]:
-        """Residual r, n values: external less internal, constraint, inertia and damping forces. It vanishes at equilibria.
+        """Residual r, n values: external less internal, constraint, inertia and damping forces.
+
+        It vanishes at static equilibria. In a transient analysis it vanishes up to the error of the scheme: that of the energy–momentum
+        scheme balances forces, and has the multipliers of joints, in the middle of a step.
 
         Raises:
             ValueError: the state belongs to another model.

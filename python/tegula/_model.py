@@ -147,8 +147,9 @@ class Model:
         amplitude take the value that `Simulation.set` gives it, constant within a step. They act in transient analyses with
         the scheme `energy-momentum`.
 
-        `start` is a state that another simulation of the same analysis has reached, from which this one continues to the last bit; its signals
-        are to be set again.
+        `start` is a state that another simulation has reached, of the same model or of one with other loads or another end, from
+        which this one continues: of the same model to the last bit (on paths up to round-off). Both have the same kind of analysis with
+        the same scheme. Signals are to be set again.
 
         Raises `ModelError` where the model is wrong, `KeyError` for an unknown amplitude, `ValueError` for analyses without
         steps and states of other models.

@@ -277,6 +277,39 @@ class States(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "another model"):
             other.simulation(start=equations.state())
 
+    def test_simulations_start_from_states_of_their_kind_of_analysis(self) -> None:
+        analyses: dict[str, dict[str, Any]] = {
+            "static": {"type": "static", "load_steps": 4},
+            "path": {"type": "path", "max_steps": 3},
+            "transient energy-momentum": SWING,
+            "transient newmark": {**SWING, "scheme": {"type": "newmark"}},
+        }
+        models = {kind: tegula.Model(strip(analysis=analysis)) for kind, analysis in analyses.items()}
+        states = {}
+        for kind, model in models.items():
+            simulation = model.simulation()
+            simulation.advance()
+            states[kind] = simulation.state
+        for kind, model in models.items():
+            for other, state in states.items():
+                if other == kind:
+                    self.assertEqual(model.simulation(start=state).state, state)
+                    continue
+                with self.assertRaisesRegex(ValueError, f"one of a {other} analysis, and the analysis of the model is {kind}$"):
+                    model.simulation(start=state)
+            with self.assertRaisesRegex(ValueError, "no analysis has reached the state"):
+                model.simulation(start=model.equations().state())
+
+    def test_simulations_continue_under_other_loads(self) -> None:
+        simulation = tegula.Model(strip(analysis=SWING)).simulation()
+        simulation.advance(3)
+        free = tegula.Model(strip(analysis=SWING, loads=[])).simulation(start=simulation.state)
+        energy = free.energies.kinetic + free.energies.strain
+        self.assertGreater(energy, 1.0)
+        free.advance(10)
+        self.assertAlmostEqual(free.time, 13e-3)
+        self.assertLess(abs((free.energies.kinetic + free.energies.strain) / energy - 1.0), 1e-9)
+
     def test_forces_that_are_not_finite_are_errors(self) -> None:
         equations = tegula.Model(strip()).equations()
         state = equations.state()
@@ -304,9 +337,9 @@ class States(unittest.TestCase):
             self.assertNotEqual(again.state, state)
 
     def test_damaged_pickles_of_states_are_refused(self) -> None:
-        function, (dump, middle) = tegula.Model(strip()).equations().state().__reduce__()
+        function, (dump, middle, analysis) = tegula.Model(strip()).equations().state().__reduce__()
         with self.assertRaisesRegex(ValueError, "cannot be read"):
-            function(dump[: len(dump) // 2], middle)
+            function(dump[: len(dump) // 2], middle, analysis)
 
     def test_simulations_and_equations_say_why_they_are_not_pickled(self) -> None:
         model = tegula.Model(strip())

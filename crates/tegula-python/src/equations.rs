@@ -138,7 +138,7 @@ impl Equations {
         let system = self.system();
         let mut state = analysis::State { time, ..analysis::State::unloaded(system) };
         system.prescribe(time, &mut state.u);
-        Ok(State::new(state))
+        Ok(State::new(state, ""))
     }
 
     /// State behind an increment of the free degrees of freedom.
@@ -149,10 +149,11 @@ impl Equations {
         increment: PyReadonlyArray1<f64>,
     ) -> PyResult<State> {
         let increment = vector("increment", self.system().unknowns(), &increment)?;
-        self.at(py, state, |system, state| {
+        let moved = self.at(py, state, |system, state| {
             let u = equilibrium::moved(system, state, &increment);
-            State::new(analysis::State { u, ..state.clone() })
-        })
+            analysis::State { u, ..state.clone() }
+        })?;
+        Ok(state.get().changed(moved))
     }
 
     /// Residual of the free degrees of freedom.

@@ -90,7 +90,8 @@ impl Steps {
         let rows = HistoryRows::new(&prepared.model, &prepared);
         let columns = rows.columns().to_vec();
         let warnings = prepared.warnings.iter().map(ToString::to_string).collect();
-        let start = start.map(|state| state.of(&prepared.system)).transpose()?.cloned();
+        let analysis = kind(&prepared.model.analysis);
+        let start = start.map(|state| state.as_start(&prepared.system, &analysis)).transpose()?.cloned();
         let running = Running::try_new(Arc::new(prepared), |prepared| begun(prepared, start))?;
         let analysed = Analysed {
             running,
@@ -114,6 +115,15 @@ impl Steps {
     /// Reads the present state.
     fn read<T>(&self, py: Python<'_>, read: impl FnOnce(&Prepared, &dyn Stepper) -> T) -> T {
         self.lock(py).running.with_dependent(|prepared, stepper| read(prepared, stepper.as_ref()))
+    }
+}
+
+/// Name of an analysis with steps: another one starts from its states if it has the same.
+fn kind(analysis: &Analysis) -> String {
+    match analysis {
+        Analysis::Transient(options) => format!("transient {}", options.scheme.name()),
+        Analysis::Path(_) => "path".into(),
+        _ => "static".into(),
     }
 }
 
@@ -315,7 +325,10 @@ impl Steps {
 
     /// The present state.
     fn state(&self, py: Python<'_>) -> state::State {
-        state::State::new(self.read(py, |_, stepper| stepper.state().clone()))
+        let of = |prepared: &Prepared, stepper: &dyn Stepper| {
+            state::State::new(stepper.state().clone(), kind(&prepared.model.analysis))
+        };
+        self.read(py, of)
     }
 
     /// The equations of motion of the model, with the present values of the signals.

@@ -9,6 +9,9 @@ use tegula::System;
 use tegula::analysis;
 use tegula::element::Nodal;
 
+/// A state as bytes, with the displacements in the middle of its last step, which these lack, and its analysis.
+type Dump<'py> = (Bound<'py, PyBytes>, Bound<'py, PyArray2<f64>>, String);
+
 /// A field of three components as an array with a row for each vector.
 pub fn rows<'py>(py: Python<'py>, values: Vec<Nodal>) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let number = values.len();
@@ -19,13 +22,36 @@ pub fn rows<'py>(py: Python<'py>, values: Vec<Nodal>) -> PyResult<Bound<'py, PyA
 #[pyclass(frozen, module = "tegula._tegula")]
 pub struct State {
     state: analysis::State,
+    /// Analysis that has reached the state; empty: none has.
+    analysis: String,
     fields: [PyOnceLock<Py<PyArray2<f64>>>; 3],
 }
 
 impl State {
-    /// State for Python.
-    pub fn new(state: analysis::State) -> Self {
-        Self { state, fields: std::array::from_fn(|_| PyOnceLock::new()) }
+    /// State for Python, with the name of the analysis that has reached it.
+    pub fn new(state: analysis::State, analysis: impl Into<String>) -> Self {
+        Self { state, analysis: analysis.into(), fields: std::array::from_fn(|_| PyOnceLock::new()) }
+    }
+
+    /// Another state, from this one.
+    pub fn changed(&self, state: analysis::State) -> Self {
+        Self::new(state, self.analysis.clone())
+    }
+
+    /// State, if an analysis of a system can start there.
+    ///
+    /// # Errors
+    /// The state does not fit the system, or no analysis of this kind has reached it.
+    pub fn as_start(&self, system: &System, analysis: &str) -> PyResult<&analysis::State> {
+        let state = self.of(system)?;
+        if self.analysis == analysis {
+            return Ok(state);
+        }
+        let found = match self.analysis.as_str() {
+            "" => "no analysis has reached the state: start from the `state` of a simulation".to_owned(),
+            other => format!("the state is one of a {other} analysis"),
+        };
+        Err(PyValueError::new_err(format!("{found}, and the analysis of the model is {analysis}")))
     }
 
     /// State, if it fits a system.
@@ -123,7 +149,7 @@ impl State {
         if let Some(values) = multipliers {
             state.multipliers = vector("multipliers", state.multipliers.len(), &values)?;
         }
-        Ok(Self::new(state))
+        Ok(self.changed(state))
     }
 
     /// Time (load factor).
@@ -164,19 +190,19 @@ impl State {
 
     /// Whether all data of another state are equal.
     fn equals(&self, other: &Bound<'_, Self>) -> bool {
-        self.state == other.get().state
+        self.state == other.get().state && self.analysis == other.get().analysis
     }
 
-    /// The state as bytes, and the displacements in the middle of its last step, which they lack.
-    fn dump<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyBytes>, Bound<'py, PyArray2<f64>>)> {
+    /// Data of a pickle.
+    fn dump<'py>(&self, py: Python<'py>) -> PyResult<Dump<'py>> {
         let bytes = py.detach(|| rmp_serde::to_vec_named(&self.state));
         let bytes = bytes.map_err(|error| PyValueError::new_err(error.to_string()))?;
-        Ok((PyBytes::new(py, &bytes), rows(py, self.state.middle.clone())?))
+        Ok((PyBytes::new(py, &bytes), rows(py, self.state.middle.clone())?, self.analysis.clone()))
     }
 
     /// State of [`dump`](Self::dump).
     #[staticmethod]
-    fn load(py: Python<'_>, bytes: &[u8], middle: PyReadonlyArray2<f64>) -> PyResult<Self> {
+    fn load(py: Python<'_>, bytes: &[u8], middle: PyReadonlyArray2<f64>, analysis: String) -> PyResult<Self> {
         let state = py.detach(|| rmp_serde::from_slice::<analysis::State>(bytes));
         let mut state = state.map_err(|error| {
             PyValueError::new_err(format!(
@@ -184,6 +210,6 @@ impl State {
             ))
         })?;
         state.middle = given("middle", middle.as_array().nrows(), &middle)?;
-        Ok(Self::new(state))
+        Ok(Self::new(state, analysis))
     }
 }
