@@ -80,7 +80,7 @@ class State:
 
     @property
     def multipliers(self) -> NDArray[np.float64]:
-        """Lagrange multipliers of the constraints of joints, one for each entry of `Equations.joints`; constraint forces are −Gᵀλ."""
+        """Lagrange multipliers of the constraints of joints, one for each entry of `Equations.joints`, read-only; constraint forces are −Gᵀλ."""
         return self._state.multipliers
 
     def replace(

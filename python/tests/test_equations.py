@@ -266,6 +266,8 @@ class States(unittest.TestCase):
 
     def test_arrays_of_states_are_read_only_and_not_copied_again(self) -> None:
         state = tegula.Model(strip()).equations().state()
+        arrays = (state.displacements, state.velocities, state.accelerations, state.multipliers)
+        self.assertEqual([array.flags.writeable for array in arrays], [False] * 4)
         with self.assertRaisesRegex(ValueError, "read-only"):
             state.displacements[0, 0] = 1.0
         self.assertTrue(np.shares_memory(state.displacements, state.displacements))

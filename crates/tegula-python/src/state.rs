@@ -185,7 +185,9 @@ impl State {
     /// Lagrange multipliers.
     #[getter]
     fn multipliers<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.state.multipliers.clone().into_pyarray(py)
+        let array = self.state.multipliers.clone().into_pyarray(py);
+        array.readwrite().make_nonwriteable();
+        array
     }
 
     /// Whether all data of another state are equal.
