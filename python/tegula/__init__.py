@@ -17,9 +17,10 @@ A model is a model file, its text, or a dictionary with the same keys:
 -0.19
 
 `Model.run` does what `tegula run` does; `Model.simulation` advances an analysis step by step, for controllers and for
-coupling with other programs.
+coupling with other programs; `Model.equations` has residual, tangent stiffness and mass matrix as functions of a state.
 """
 
+from ._equations import Equations, State
 from ._errors import AnalysisError, Diagnostic, ModelError, ModelWarning, OutputError, TegulaError
 from ._mesh import from_meshio, from_pyvista
 from ._model import Model, run
@@ -32,6 +33,7 @@ __all__ = [
     "AnalysisError",
     "Diagnostic",
     "Energies",
+    "Equations",
     "Frame",
     "Model",
     "ModelError",
@@ -40,6 +42,7 @@ __all__ = [
     "Progress",
     "Result",
     "Simulation",
+    "State",
     "StateSpace",
     "Statistics",
     "Table",

@@ -4,43 +4,19 @@ from __future__ import annotations
 
 import contextlib
 import html
-import os
-import shutil
-import tempfile
-import weakref
 from collections.abc import Callable, Iterable, Iterator
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
+from ._equations import Equations, State, equations_of
 from ._errors import AnalysisError, OutputError, TegulaError, warn
+from ._folder import TemporaryFolder
+from ._process import use_threads
 from ._progress import Bar, Progress
 from ._result import MOST_IN_NOTEBOOK, Result, framed
 from ._simulation import Simulation
 from ._tegula import Deck
-
-
-_threads_of: int | None = None
-
-
-def _use_threads() -> None:
-    """Refuses to compute in a process that was forked after its parent had computed: the threads are not there."""
-    global _threads_of
-    if _threads_of is None:
-        _threads_of = os.getpid()
-    if _threads_of != os.getpid():
-        raise RuntimeError(
-            "this process was forked from one that has computed with tegula already, whose threads it does not have: start "
-            'processes with multiprocessing.get_context("spawn") or "forkserver"'
-        )
-
-
-class _TemporaryFolder:
-    """A folder that is removed with the last reference to it."""
-
-    def __init__(self) -> None:
-        self.path = Path(tempfile.mkdtemp(prefix="tegula-"))
-        self._remove = weakref.finalize(self, shutil.rmtree, self.path, ignore_errors=True)
 
 
 @contextlib.contextmanager
@@ -117,7 +93,7 @@ class Model:
 
         Raises `ModelError` with everything that is wrong.
         """
-        _use_threads()
+        use_threads()
         return self._deck.check()
 
     def run(
@@ -141,14 +117,14 @@ class Model:
         Warnings of the run are `ModelWarning`s at its end. Other threads of Python run meanwhile. Ctrl-C ends the run after the step with `KeyboardInterrupt`. Raises
         `ModelError`, `AnalysisError`, `OutputError`.
         """
-        _use_threads()
+        use_threads()
         temporary = None
         if out is not None and not fspath(out):
             raise ValueError("the result folder `out` is an empty text; leave it out for a temporary folder")
         if out is None:
             if resume:
                 raise ValueError("a run is resumed in its result folder: give `out`")
-            temporary = _TemporaryFolder()
+            temporary = TemporaryFolder()
             out = temporary.path / "result"
         try:
             with _reported(progress, self._deck.parameter) as report:
@@ -164,22 +140,36 @@ class Model:
         warn(found, _stacklevel)
         return Result(out, _keep=temporary)
 
-    def simulation(self, *, signals: Iterable[str] = ()) -> Simulation:
+    def simulation(self, *, signals: Iterable[str] = (), start: State | None = None) -> Simulation:
         """Begins the static, path or transient analysis of the model, to be advanced step by step.
 
         `signals` names amplitudes whose values are set between the steps: loads, motions and drives that follow such an
         amplitude take the value that `Simulation.set` gives it, constant within a step. They act in transient analyses with
         the scheme `energy-momentum`.
 
+        `start` is a state that another simulation has reached, of the same model or of one with other loads or another end, from
+        which this one continues: of the same model to the last bit (on paths up to round-off). Both have the same kind of analysis with
+        the same scheme. Signals are to be set again.
+
         Raises `ModelError` where the model is wrong, `KeyError` for an unknown amplitude, `ValueError` for analyses without
-        steps.
+        steps and states of other models.
         """
-        _use_threads()
+        use_threads()
         if isinstance(signals, str):
             signals = [signals]
-        steps = self._deck.steps(list(signals))
+        steps = self._deck.steps(list(signals), None if start is None else start._state)
         warn(steps.warnings(), 2)
         return Simulation(steps)
+
+    def equations(self) -> Equations:
+        """Equations of motion of the model: residual, tangent stiffness, mass matrix and constraints as functions of a state.
+
+        Of a model with `[[steps]]` they are those of the first one. Those of a simulation, with its signals, are `Simulation.equations`.
+
+        Raises `ModelError` where the model is wrong.
+        """
+        use_threads()
+        return equations_of(self._deck.equations(), 2)
 
     def report(self, path: str | PathLike[str]) -> Path:
         """Writes a report of the model: one HTML file for a browser, without network, with mesh, supports, loads and sets.
@@ -194,14 +184,14 @@ class Model:
             ModelError: the model is wrong.
             OutputError: the report cannot be written.
         """
-        _use_threads()
+        use_threads()
         self._deck.write_report(path)
         return Path(path)
 
     def _repr_html_(self) -> str:
         """The report in a notebook; of a wrong model its mistakes."""
         try:
-            _use_threads()
+            use_threads()
             return framed(self._deck.report_page(MOST_IN_NOTEBOOK))
         except (TegulaError, RuntimeError) as error:
             return f"<pre>{html.escape(f'{self!r}: {error}')}</pre>"

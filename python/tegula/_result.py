@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._errors import OutputError
-from ._tegula import report_page, write_report
+from ._folder import TemporaryFolder
+from ._tegula import read_table, report_page, write_report
 
 MOST_IN_NOTEBOOK = 8_000_000
 """Characters of a report in a notebook, which keeps a copy of it."""
@@ -37,7 +38,7 @@ class Frame:
     """Time, load factor, or number of a mode, as in the list of the files."""
     path: Path
     """The VTU file."""
-    _keep: object = field(default=None, repr=False, compare=False)
+    _keep: TemporaryFolder | None = field(default=None, repr=False, compare=False)
 
     def to_meshio(self) -> Any:
         """The mesh with its fields as a `meshio.Mesh`; needs the package meshio."""
@@ -51,28 +52,33 @@ class Frame:
 
         return pyvista.read(self.path)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _frame, (self.time, *_place(self.path, self._keep))
+
+
+def _place(path: Path, keep: TemporaryFolder | None) -> tuple[Path, TemporaryFolder | None]:
+    """Path for a pickle: relative to a temporary folder, which travels along, or absolute."""
+    return (path.absolute() if keep is None else path.relative_to(keep.path)), keep
+
+
+def _frame(time: float, path: Path, keep: TemporaryFolder | None) -> Frame:
+    return Frame(time, path if keep is None else keep.path / path, keep)
+
+
+def _result(path: Path, keep: TemporaryFolder | None) -> Result:
+    return Result(path if keep is None else keep.path / path, _keep=keep)
+
 
 class Table(Mapping[str, NDArray[np.float64]]):
     """Columns of a table by their names; each is a read-only array with an entry for each row."""
 
     def __init__(self, path: Path) -> None:
-        try:
-            with path.open(encoding="utf-8") as file:
-                names = file.readline().rstrip("\n").split(",")
-                if names == [""]:
-                    raise ValueError("it is empty")
-                lines = file.readlines()
-                values = np.loadtxt(lines, delimiter=",", ndmin=2) if lines else np.empty((0, len(names)))
-        except OSError as error:
-            raise OutputError(f"the table {path} cannot be read: {error}") from error
-        except ValueError as error:
-            raise OutputError(f"the table {path} is damaged: {error}") from error
-        if values.shape[1] != len(names):
-            raise OutputError(f"the table {path} is damaged: it has {values.shape[1]} columns for {len(names)} names")
-        columns = values.T.copy()
-        # All who read the result share them.
-        columns.flags.writeable = False
-        self._columns = dict(zip(names, columns, strict=True))
+        self._columns = dict(read_table(path))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        for column in self._columns.values():
+            column.flags.writeable = False
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         try:
@@ -121,10 +127,10 @@ class Result:
     """Results of a run, from its folder.
 
     A run with `[[steps]]` has the results of each analysis in `analyses`; those of a failed or interrupted run are readable,
-    too: look at `status`.
+    too: look at `status`. A pickle of a result in a temporary folder holds its files; that of another one holds the path of its folder.
     """
 
-    def __init__(self, folder: str | PathLike[str], *, _keep: object = None) -> None:
+    def __init__(self, folder: str | PathLike[str], *, _keep: TemporaryFolder | None = None) -> None:
         self.folder = Path(folder)
         """The result folder."""
         self._keep = _keep
@@ -257,12 +263,7 @@ class Result:
         return self.__copy__()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        if self._keep is not None:
-            raise TypeError(
-                "results in a temporary folder end with their process and are not pickled: give run() a folder, or return "
-                "the numbers that are wanted"
-            )
-        return Result, (self.folder,)
+        return _result, _place(self.folder, self._keep)
 
     def __repr__(self) -> str:
         return f"<tegula.Result {self.summary['analysis']}, {self.status}, in {self.folder}>"

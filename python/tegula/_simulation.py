@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._equations import Equations, State
 from ._errors import warn
 from ._tegula import Steps
 
@@ -90,6 +91,16 @@ class Simulation:
         return self._steps.signals()
 
     @property
+    def state(self) -> State:
+        """Present state, a copy: it can be pickled, evaluated by `equations`, and be the `start` of another simulation."""
+        return State._of(self._steps.state())
+
+    @property
+    def equations(self) -> Equations:
+        """Equations of motion: residual, tangent stiffness and mass matrix of a state, with the present values of the signals."""
+        return Equations(self._steps.equations())
+
+    @property
     def time(self) -> float:
         """Time (load factor) reached."""
         return self._steps.time()[0]
@@ -154,6 +165,12 @@ class Simulation:
     def quads(self) -> NDArray[np.uint32]:
         """Quadrilaterals of the mesh by the numbers of their nodes, m × 4."""
         return self._steps.quads()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        raise TypeError(
+            "simulations are not pickled or copied: pickle the model and `simulation.state`, and continue by "
+            "model.simulation(start=state)"
+        )
 
     def __repr__(self) -> str:
         time, end = self._steps.time()

@@ -305,16 +305,6 @@ class Runs(unittest.TestCase):
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
         self.assertIn('get_context("spawn")', done.stdout)
 
-    def test_results_in_temporary_folders_stay_with_their_process(self) -> None:
-        result = tegula.run(cantilever())
-        frame = copy.deepcopy(result).frames[-1]
-        with self.assertRaisesRegex(TypeError, "temporary"):
-            pickle.dumps(result)
-        del result
-        self.assertTrue(frame.path.exists())
-        kept = tegula.Model(cantilever()).run(self.out)
-        self.assertEqual(pickle.loads(pickle.dumps(kept)).summary, kept.summary)
-
     def test_failures_name_the_cause_and_keep_the_results_so_far(self) -> None:
         # The column buckles before full load.
         euler = np.pi**2 * YOUNG * INERTIA / (4.0 * LENGTH**2)
@@ -428,7 +418,7 @@ class Runs(unittest.TestCase):
             _ = result.history["tip.u"]
         for damaged in ("time,a\n1,2,3\n", "", "time\n0.0\nx\n"):
             (self.out / "history.csv").write_text(damaged)
-            with self.assertRaisesRegex(tegula.OutputError, "damaged"):
+            with self.assertRaisesRegex(tegula.OutputError, "history.csv` cannot be used"):
                 _ = tegula.Result(self.out).history
         for damaged in ("{}", "[]", "null", "{"):
             (self.out / "summary.json").write_text(damaged)

@@ -1,21 +1,28 @@
 //! Compiled part of the Python package `tegula`. Its public part, with documentation and types, is in `python/tegula`.
 
 mod convert;
+mod equations;
 mod failure;
+mod matrices;
 mod model;
 mod report;
 mod simulation;
+mod state;
 mod threads;
 mod watch;
 
 #[pyo3::pymodule]
 mod _tegula {
     #[pymodule_export]
+    use super::equations::Equations;
+    #[pymodule_export]
     use super::model::Deck;
     #[pymodule_export]
-    use super::report::{report_page, write_report};
+    use super::report::{read_table, report_page, write_report};
     #[pymodule_export]
     use super::simulation::Steps;
+    #[pymodule_export]
+    use super::state::State;
 
     /// Version of the package.
     #[pymodule_export]

@@ -1,7 +1,7 @@
 //! Models: read, checked, run.
 
 use std::path::PathBuf;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -11,7 +11,9 @@ use tegula_io::deck;
 use tegula_io::job::{self, JobError, JobOptions};
 use tegula_io::report::{self, Report};
 
+use crate::equations::Equations;
 use crate::simulation::Steps;
+use crate::state::State;
 use crate::threads::compute;
 use crate::watch::Watch;
 use crate::{convert, failure};
@@ -117,8 +119,22 @@ impl Deck {
         }
     }
 
-    /// The analysis of the model, step by step. The amplitudes named become signals.
-    fn steps(&self, py: Python<'_>, signals: Vec<String>) -> PyResult<Steps> {
-        compute(py, &OnceLock::new(), || Steps::new(&self.0, &signals))?
+    /// The analysis of the model, step by step, from its beginning or from a state. The amplitudes named become signals.
+    #[pyo3(signature = (signals, start))]
+    fn steps(
+        &self,
+        py: Python<'_>,
+        signals: Vec<String>,
+        start: Option<&Bound<'_, State>>,
+    ) -> PyResult<Steps> {
+        let start = start.map(|state| state.get());
+        compute(py, &OnceLock::new(), || Steps::new(&self.0, &signals, start))?
+    }
+
+    /// The equations of motion of the model, and warnings about it.
+    fn equations(&self, py: Python<'_>) -> PyResult<(Equations, Vec<String>)> {
+        let prepared = compute(py, &OnceLock::new(), || job::prepare(&self.0))?.map_err(failure::of_run)?;
+        let warnings = prepared.warnings.iter().map(ToString::to_string).collect();
+        Ok((Equations::new(Arc::new(prepared)), warnings))
     }
 }

@@ -1,7 +1,7 @@
 //! Analyses that Python advances step by step.
 
 use std::collections::BTreeMap;
-use std::sync::{Mutex, MutexGuard, OnceLock};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock};
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyKeyError, PyValueError};
@@ -11,13 +11,14 @@ use rayon::ThreadPool;
 use self_cell::self_cell;
 use tegula::System;
 use tegula::analysis::{Observer, Silent, State, Step, Stepper, dynamics, path, statics};
-use tegula::element::Nodal;
 use tegula::load::Signal;
 use tegula::model::{Analysis, Scheme, TransientAnalysis};
 use tegula_io::deck::Deck;
 use tegula_io::job::{self, HistoryRows, Prepared};
 
+use crate::equations::Equations;
 use crate::failure;
+use crate::state::{self, rows};
 use crate::threads::compute;
 
 type Borrowed<'a> = Box<dyn Stepper + 'a>;
@@ -25,7 +26,7 @@ type Borrowed<'a> = Box<dyn Stepper + 'a>;
 self_cell!(
     /// A prepared model and the analysis that refers to it.
     struct Running {
-        owner: Prepared,
+        owner: Arc<Prepared>,
         #[not_covariant]
         dependent: Borrowed,
     }
@@ -61,11 +62,11 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// Begins the analysis of a model, with signals in place of the amplitudes named.
+    /// Begins the analysis of a model, at its beginning or at the state `start`, with signals in place of the amplitudes named.
     ///
     /// # Errors
-    /// The model is wrong, its analysis has no steps or several parts, or it has no such amplitude.
-    pub fn new(deck: &Deck, signals: &[String]) -> PyResult<Self> {
+    /// The model is wrong, its analysis has no steps or several parts, it has no such amplitude, or the state is not one of it.
+    pub fn new(deck: &Deck, signals: &[String], start: Option<&state::State>) -> PyResult<Self> {
         let mut prepared = job::prepare(deck).map_err(failure::of_run)?;
         if !prepared.model.steps.is_empty() {
             return Err(PyValueError::new_err(
@@ -89,7 +90,9 @@ impl Steps {
         let rows = HistoryRows::new(&prepared.model, &prepared);
         let columns = rows.columns().to_vec();
         let warnings = prepared.warnings.iter().map(ToString::to_string).collect();
-        let running = Running::try_new(prepared, begun)?;
+        let analysis = kind(&prepared.model.analysis);
+        let start = start.map(|state| state.as_start(&prepared.system, &analysis)).transpose()?.cloned();
+        let running = Running::try_new(Arc::new(prepared), |prepared| begun(prepared, start))?;
         let analysed = Analysed {
             running,
             rows,
@@ -112,6 +115,15 @@ impl Steps {
     /// Reads the present state.
     fn read<T>(&self, py: Python<'_>, read: impl FnOnce(&Prepared, &dyn Stepper) -> T) -> T {
         self.lock(py).running.with_dependent(|prepared, stepper| read(prepared, stepper.as_ref()))
+    }
+}
+
+/// Name of an analysis with steps: another one starts from its states if it has the same.
+fn kind(analysis: &Analysis) -> String {
+    match analysis {
+        Analysis::Transient(options) => format!("transient {}", options.scheme.name()),
+        Analysis::Path(_) => "path".into(),
+        _ => "static".into(),
     }
 }
 
@@ -166,13 +178,13 @@ impl Observer for Warned {
     }
 }
 
-/// The analysis of a prepared model at its start.
-fn begun(prepared: &Prepared) -> PyResult<Borrowed<'_>> {
+/// The analysis of a prepared model at its beginning, or at a state of it.
+fn begun(prepared: &Prepared, start: Option<State>) -> PyResult<Borrowed<'_>> {
     let system = &prepared.system;
     let stepper = match &prepared.model.analysis {
-        Analysis::Static(options) => statics::steps(system, options, None),
-        Analysis::Path(options) => path::steps(system, options, None).map(|(stepper, _)| stepper),
-        Analysis::Transient(options) => dynamics::steps(system, options, None),
+        Analysis::Static(options) => statics::steps(system, options, start),
+        Analysis::Path(options) => path::steps(system, options, start).map(|(stepper, _)| stepper),
+        Analysis::Transient(options) => dynamics::steps(system, options, start),
         Analysis::Modal(_) | Analysis::Buckling(_) => {
             return Err(PyValueError::new_err("modal and buckling analyses have no steps: use run()"));
         }
@@ -257,12 +269,6 @@ impl Analysed {
     }
 }
 
-/// A field of the nodes as an array with a row for each.
-fn rows<'py>(py: Python<'py>, values: Vec<Nodal>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let nodes = values.len();
-    values.into_flattened().into_pyarray(py).reshape([nodes, 3])
-}
-
 #[pymethods]
 impl Steps {
     /// Takes steps; returns the iterations of the last one, and warnings.
@@ -315,6 +321,19 @@ impl Steps {
     /// Warnings about the model.
     fn warnings(&self) -> Vec<String> {
         self.warnings.clone()
+    }
+
+    /// The present state.
+    fn state(&self, py: Python<'_>) -> state::State {
+        let of = |prepared: &Prepared, stepper: &dyn Stepper| {
+            state::State::new(stepper.state().clone(), kind(&prepared.model.analysis))
+        };
+        self.read(py, of)
+    }
+
+    /// The equations of motion of the model, with the present values of the signals.
+    fn equations(&self, py: Python<'_>) -> Equations {
+        Equations::new(self.lock(py).running.borrow_owner().clone())
     }
 
     /// Names of the columns of a row.

@@ -91,34 +91,9 @@ impl CheckpointData {
     /// First array whose length is not that of the model.
     fn misfit(&self, system: &System) -> Option<&'static str> {
         let n = system.vectors();
-        let history = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
-        let (s, t) = (&self.state, &self.state.tangent);
-        let lengths = [
-            ("u", s.u.len(), n),
-            ("history", s.history.len(), history),
-            ("multipliers", s.multipliers.len(), system.constraints()),
-            ("angles", s.angles.len(), system.number_of_angles()),
-            ("tangent u", if t.valid { t.u.len() } else { n }, n),
-            ("tangent history", if t.valid { t.history.len() } else { history }, history),
-        ];
-        let maybe_empty = [
-            ("v", s.v.len()),
-            ("a", s.a.len()),
-            ("mean a", s.mean_a.len()),
-            ("scheme v", s.scheme_v.len()),
-            ("acceleration lag", s.acceleration_lag.len()),
-            ("mean velocities", s.mean_rates[0].len()),
-            ("mean accelerations", s.mean_rates[1].len()),
-            ("mean loads", s.mean_loads.len()),
-            ("scheme loads", s.scheme_loads.len()),
-            ("tangent v", t.v.len()),
-            ("reactions", self.forces.1.len()),
-        ];
-        let pictures =
-            self.kept.iter().map(|kept| ("displacements of pictures", kept.displacements.len(), n));
-        let optional = maybe_empty.into_iter().filter(|(_, length)| *length > 0);
-        let mut all =
-            lengths.into_iter().chain(optional.map(|(name, length)| (name, length, n))).chain(pictures);
-        all.find(|(_, length, expected)| length != expected).map(|(name, ..)| name)
+        let reactions = Some(("reactions", self.forces.1.len())).filter(|(_, length)| *length > 0);
+        let pictures = self.kept.iter().map(|kept| ("displacements of pictures", kept.displacements.len()));
+        let own = || reactions.into_iter().chain(pictures).find(|(_, length)| *length != n);
+        self.state.misfit(system).or_else(|| own().map(|(name, _)| name))
     }
 }

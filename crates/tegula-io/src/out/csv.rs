@@ -5,7 +5,7 @@
 //! there; what a stopped run left behind it is neither read nor continued.
 
 use std::fs::{File, OpenOptions};
-use std::io::{self, BufWriter, Seek as _, SeekFrom, Write as _};
+use std::io::{self, BufRead as _, BufReader, BufWriter, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::file::OutputError;
@@ -130,20 +130,49 @@ impl HistoryWriter {
 ///
 /// An unfinished last row (without its line feed) is omitted: the run that writes it may not have ended.
 pub fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), OutputError> {
-    let text = read_text(path)?;
-    let mut lines = text.split_inclusive('\n').filter_map(|line| line.strip_suffix('\n'));
-    let names = fields(lines.next().ok_or_else(|| no_header(path))?.trim_end_matches('\r'));
     let mut rows = Vec::new();
-    for (index, line) in lines.enumerate() {
-        let line = line.trim_end_matches('\r');
+    let names = for_each_row(path, |row| rows.push(row.to_vec()))?;
+    Ok((names, rows))
+}
+
+/// Columns of a history with their names; an unfinished last row is omitted, as by [`read`].
+pub fn read_columns(path: &Path) -> Result<Vec<(String, Vec<f64>)>, OutputError> {
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    let names = for_each_row(path, |row| {
+        columns.resize_with(row.len(), Vec::new);
+        columns.iter_mut().zip(row).for_each(|(column, x)| column.push(*x));
+    })?;
+    columns.resize_with(names.len(), Vec::new);
+    Ok(names.into_iter().zip(columns).collect())
+}
+
+/// Hands the rows of a history to `take`, one after another; returns the names of its columns.
+fn for_each_row(path: &Path, mut take: impl FnMut(&[f64])) -> Result<Vec<String>, OutputError> {
+    let failed = |cause: io::Error| OutputError::read(path, cause);
+    let mut file = BufReader::new(File::open(path).map_err(failed)?);
+    let mut text = String::new();
+    // A line without its line feed is not finished.
+    let mut next = |text: &mut String| {
+        text.clear();
+        file.read_line(text).map_err(failed)?;
+        Ok(text.pop() == Some('\n'))
+    };
+    if !next(&mut text)? {
+        return Err(no_header(path));
+    }
+    let names = fields(text.trim_end_matches('\r'));
+    let (mut row, mut number) = (Vec::with_capacity(names.len()), 1);
+    while next(&mut text)? {
+        number += 1;
+        let line = text.trim_end_matches('\r');
         if line.trim().is_empty() {
             continue;
         }
         let damaged = |problem: String| {
             let remedy = "Correct that line, or remove it";
-            OutputError::damaged(path, format!("line {} {problem}", index + 2), remedy)
+            OutputError::damaged(path, format!("line {number} {problem}"), remedy)
         };
-        let mut row = Vec::with_capacity(names.len());
+        row.clear();
         for (column, field) in line.split(',').enumerate() {
             let value = field.trim().parse::<f64>();
             let column = names.get(column).map_or("one too many", |name| name.as_str());
@@ -152,9 +181,9 @@ pub fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), OutputError> {
         if row.len() != names.len() {
             return Err(damaged(format!("has {} numbers, but there are {} columns", row.len(), names.len())));
         }
-        rows.push(row);
+        take(&row);
     }
-    Ok((names, rows))
+    Ok(names)
 }
 
 fn read_text(path: &Path) -> Result<String, OutputError> {
@@ -220,6 +249,16 @@ mod tests {
             assert!(row.iter().zip(read).all(|(a, b)| a.to_bits() == b.to_bits()), "{row:?} {read:?}");
         }
         assert!(read_rows.len() == 3 && read_rows[2].iter().all(|x| x.is_nan()));
+        let columns = read_columns(&path).unwrap();
+        assert!(columns.iter().map(|(name, _)| name).eq(&names));
+        for (i, (_, column)) in columns.iter().enumerate() {
+            assert!(column.iter().zip(&read_rows).all(|(x, row)| x.to_bits() == row[i].to_bits()));
+            assert_eq!(column.len(), 3);
+        }
+        HistoryWriter::create(&path, &names).unwrap();
+        assert!(read_columns(&path).unwrap().iter().all(|(_, column)| column.is_empty()));
+        fs::write(&path, "time,x").unwrap();
+        assert!(read_columns(&path).unwrap_err().to_string().contains("no complete row of column names"));
     }
 
     proptest! {

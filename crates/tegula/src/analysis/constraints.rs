@@ -24,17 +24,19 @@
 
 mod complete_pivoting;
 mod compliance;
+mod gradients;
 mod laws;
 mod schur;
 
 use super::State;
 use super::solver::TangentSolver;
 use crate::Vec3;
-use crate::constraint::joint::{MOST_VECTORS, half_motion};
-use crate::constraint::{CoordinateState, DriveValue, Joint, Row};
+use crate::constraint::joint::half_motion;
+use crate::constraint::{CoordinateState, Joint, Row};
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::system::evaluation_point::current_vector;
 use crate::system::{EvaluationPoint, LocalFrames, System};
+pub(super) use gradients::{gradients, gradients_at, gradients_of, joint_rates};
 use laws::Laws;
 pub(super) use schur::Schur;
 
@@ -51,7 +53,7 @@ const DRIVEN: f64 = 1e-3;
 const LANES: usize = 4;
 
 /// Gradient of a constraint with respect to the free degrees of freedom: numbers and values.
-pub(super) type Gradient = Vec<(u32, f64)>;
+pub type Gradient = Vec<(u32, f64)>;
 
 /// Rates of constraints.
 #[derive(Debug, Clone, Copy)]
@@ -437,77 +439,21 @@ impl Constraints {
     }
 }
 
-/// Gradients of all constraints over a motion with this middle and half of the change of each nodal vector, with respect to the degrees of
-/// freedom of `frames`.
-pub(super) fn gradients(
-    system: &System,
-    (frames, time): (&LocalFrames, f64),
-    (middle, half): (impl Fn(usize) -> Vec3, impl Fn(usize) -> Vec3),
-    out: &mut [Gradient],
-) {
+/// Values of all constraints in a state, in the order of its multipliers; 0 for those of friction and stops.
+pub(super) fn values_at(system: &System, state: &State) -> Vec<f64> {
+    let (laws, mut counted) = (Laws::new(system), vec![0.0; system.joints.len()]);
+    count_turns(system, &state.angles, &mut counted);
+    let mut out = vec![0.0; system.constraints()];
+    let motion = Motion::State { u: &state.u, velocity: None };
     for joint in system.joints.iter() {
-        let drive = system.drive_value(joint, time);
-        joint.with_vectors(&middle, |v, forces| {
+        let target = target(system, (&laws, &counted), joint, state.time);
+        joint.with_vectors(end_of(system, &motion), |v, _| {
             for (i, row) in joint.multipliers().zip(&joint.rows) {
-                forces.fill(Vec3::zeros());
-                let half = |i: usize| half(joint.vectors[i] as usize);
-                row.add_acting_gradient(1.0, (v, half), drive, forces);
-                let gradient = &mut out[i];
-                gradient.clear();
-                for (&v, g) in joint.vectors.iter().zip(&*forces).filter(|(_, g)| **g != Vec3::zeros()) {
-                    frames.reduce_one(v as usize, g, |number, x| add_entry(gradient, number, x));
-                }
+                out[i] = row.value(v, target);
             }
         });
     }
-}
-
-/// Rates of the constraints of a joint where the nodal vectors have the values `end`.
-pub(super) fn joint_rates(
-    joint: &Joint,
-    (end, drive): (impl Fn(usize) -> Vec3, DriveValue),
-    rates: Rates,
-    out: &mut [f64],
-) {
-    let of = |field: &[Nodal], v: usize| Vec3::from(field[v]);
-    joint.with_vectors(end, |q, gradient| {
-        for (i, row) in joint.multipliers().zip(&joint.rows) {
-            let mut along = |field: &[Nodal]| {
-                gradient.fill(Vec3::zeros());
-                row.add_gradient(1.0, q, drive.value, gradient);
-                let products =
-                    gradient.iter().zip(&joint.vectors).map(|(g, &v)| g.dot(&of(field, v as usize)));
-                products.sum::<f64>()
-            };
-            out[i] = match rates {
-                Rates::First(v) => along(v) + row.driven_rate(q, drive),
-                Rates::Second(v, a) => {
-                    let term = joint.with_vectors(|k| of(v, k), |v, _| row.velocity_term(q, v, drive));
-                    along(a) + term
-                }
-                Rates::Along(field) => along(field),
-            };
-        }
-    });
-}
-
-/// Gradients of all constraints in a state, with respect to the degrees of freedom of `frames`; those of friction and stops are empty.
-pub(super) fn gradients_at(system: &System, frames: &LocalFrames, state: &State) -> Vec<Gradient> {
-    gradients_of(system, frames, (&state.u, state.time))
-}
-
-/// Gradients of the constraints at displacements and a time.
-pub(super) fn gradients_of(
-    system: &System,
-    frames: &LocalFrames,
-    (u, time): (&[Nodal], f64),
-) -> Vec<Gradient> {
-    let mut out = vec![Gradient::new(); system.constraints()];
-    let motion = Motion::State { u, velocity: None };
-    gradients(system, (frames, time), (end_of(system, &motion), |_| Vec3::zeros()), &mut out);
-    for (number, _) in system.joints.iter().filter_map(Joint::law_row) {
-        out[number].clear();
-    }
+    laws.clear(&mut out);
     out
 }
 
@@ -558,15 +504,6 @@ fn end_time(motion: &Motion, time: f64) -> f64 {
     match motion {
         Motion::State { .. } => time,
         Motion::Step { dt, .. } => time + 0.5 * dt,
-    }
-}
-
-/// Adds to the entry of a number. Vectors that share degrees of freedom belong to bodies, which stand at the beginning of a
-/// list; the many nodes of a coupling behind them have their own.
-fn add_entry(gradient: &mut Gradient, number: u32, x: f64) {
-    match gradient.iter_mut().take(3 * MOST_VECTORS).find(|(n, _)| *n == number) {
-        Some((_, sum)) => *sum += x,
-        None => gradient.push((number, x)),
     }
 }
 

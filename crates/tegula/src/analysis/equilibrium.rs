@@ -5,13 +5,14 @@
 //! the state ([`frames`]).
 
 use super::State;
-use super::constraints::{Schur, gradients_at, product};
+use super::constraints::{Gradient, Schur, gradients_at, product, values_at};
+use super::newton::retract;
 use crate::Result;
 use crate::constraint::{Quantity, Row};
-use crate::element::{Nodal, TangentWeights};
+use crate::element::{Motion, Nodal, TangentWeights};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::dof_map::{CONSTRAINED, DofMap};
-use crate::system::{Assembly, EvaluationPoint, LocalFrames, System, VectorKind};
+use crate::system::{Assembly, EvaluationPoint, LocalFrames, System, VectorKind, add_multiple};
 use std::collections::BTreeSet;
 use tegula_sparse::SymmetricPattern;
 use tegula_sparse::norm::larger;
@@ -58,6 +59,27 @@ pub fn mass(system: &System, state: &State) -> Result<Vec<f64>> {
     let mut values = vec![0.0; system.pattern.values()];
     system.pattern.mass_values(&frames(system, state), &mut values);
     Ok(values)
+}
+
+/// Value `g(u)` of every constraint of joints at a state, in the order of [`State::multipliers`], with its gradient with respect to
+/// the free degrees of freedom: their numbers, each once, and values. Constraint forces are `−Gᵀλ`. Relative coordinates with
+/// friction or stops, whose constraints a force law may replace, have the value 0 and no gradient.
+pub fn constraints(system: &System, state: &State) -> Vec<(f64, Gradient)> {
+    let gradients = gradients_at(system, &frames(system, state), state);
+    values_at(system, state).into_iter().zip(gradients).collect()
+}
+
+/// Displacements of the nodal vectors behind an increment of the free degrees of freedom from a state. Inextensible directors and
+/// rigid bodies turn by the exponential map; in linear models the increment is added.
+pub fn moved(system: &System, state: &State, increment: &[f64]) -> Vec<Nodal> {
+    let frames = frames(system, state);
+    let mut change = vec![[0.0; 3]; system.vectors()];
+    frames.expand(increment, &mut change);
+    if !system.linear {
+        retract(system, &frames, &Motion::State { u: &state.u, velocity: None }, &mut change);
+    }
+    add_multiple(&mut change, 1.0, &state.u);
+    change
 }
 
 /// Tangent stiffness at a state under the external forces `loads`, which act on inextensible directors and on bodies: values of the

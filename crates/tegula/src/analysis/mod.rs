@@ -165,6 +165,37 @@ impl State {
         EvaluationPoint::new(system, Motion::State { u: &self.u, velocity }, self.time, self.internal())
     }
 
+    /// First array whose length is not that of a system, by its name; `None` where the state fits.
+    pub fn misfit(&self, system: &System) -> Option<&'static str> {
+        let n = system.vectors();
+        let history = system.groups.iter().map(|g| g.len() * g.history_per_element()).sum();
+        let (s, t) = (self, &self.tangent);
+        let lengths = [
+            ("u", s.u.len(), n),
+            ("history", s.history.len(), history),
+            ("multipliers", s.multipliers.len(), system.constraints()),
+            ("angles", s.angles.len(), system.number_of_angles()),
+            ("tangent u", if t.valid { t.u.len() } else { n }, n),
+            ("tangent history", if t.valid { t.history.len() } else { history }, history),
+        ];
+        let maybe_empty = [
+            ("v", s.v.len()),
+            ("a", s.a.len()),
+            ("mean a", s.mean_a.len()),
+            ("scheme v", s.scheme_v.len()),
+            ("acceleration lag", s.acceleration_lag.len()),
+            ("mean velocities", s.mean_rates[0].len()),
+            ("mean accelerations", s.mean_rates[1].len()),
+            ("mean loads", s.mean_loads.len()),
+            ("scheme loads", s.scheme_loads.len()),
+            ("middle", s.middle.len()),
+            ("tangent v", t.v.len()),
+        ];
+        let optional = maybe_empty.into_iter().filter(|(_, length)| *length > 0);
+        let mut all = lengths.into_iter().chain(optional.map(|(name, length)| (name, length, n)));
+        all.find(|(_, length, expected)| length != expected).map(|(name, ..)| name)
+    }
+
     /// Displacements, velocities, history variables, multipliers and angles of sensors from which the next analysis step starts.
     pub fn end_of_step(&self) -> StepStart {
         let Self { time, u, v, history, multipliers, angles, coordinates, .. } = self.clone();

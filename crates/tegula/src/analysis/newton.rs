@@ -21,6 +21,7 @@ mod response;
 mod stability;
 
 pub use arc_length::{LoadResponse, NOTHING_MOVES, PathTangent, Plane};
+pub(super) use iteration::retract;
 pub use response::SoftestMode;
 pub use stability::{Stability, TangentPart};
 

@@ -205,6 +205,31 @@ impl CirculatoryStiffness {
         }
     }
 
+    /// Hands row, column and value of the entries among the free degrees of freedom along the axes of `frames` to `take`; entries
+    /// of the same place add up.
+    pub fn for_each_entry(&self, frames: &LocalFrames, mut take: impl FnMut(u32, u32, f64)) {
+        let components = |v: u32, axis: usize| {
+            let mut found = Vec::new();
+            frames.reduce_one(v as usize, &Vec3::ith(axis, 1.0), |n, x| found.push((n, x)));
+            found
+        };
+        for block in &self.blocks {
+            let [rows, columns] =
+                [block.row, block.column].map(|v| [0, 1, 2].map(|axis| components(v, axis)));
+            for (r, c) in (0..9).map(|i| (i / 3, i % 3)) {
+                for &(row, x) in &rows[r] {
+                    for &(column, y) in &columns[c] {
+                        let value = x * block.values[(r, c)] * y;
+                        take(row, column, value);
+                        if block.row != block.column {
+                            take(column, row, -value);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
     /// `out = N x` for free degrees of freedom along the axes of `frames`.
     pub fn product(&self, frames: &LocalFrames, x: &[f64], out: &mut [f64]) {
         out.fill(0.0);

@@ -1,8 +1,9 @@
 //! Residual, tangent and mass as functions of a state.
 
 use crate::common::{Notes, Random, compile, model, move_in_time, plate, solve, vector_load};
+use crate::multibody::{body, machine, spherical};
 use tegula::analysis::State;
-use tegula::analysis::equilibrium::{frames, mass, residual, tangent};
+use tegula::analysis::equilibrium::{constraints, frames, mass, moved, residual, tangent};
 use tegula::element::Nodal;
 use tegula::model::*;
 use tegula::norm::max_norm;
@@ -84,6 +85,60 @@ fn mass_is_that_of_the_kinetic_energy() {
     pattern.add_product(&values, &free, &mut product);
     let twice: f64 = product.iter().zip(&free).map(|(a, b)| a * b).sum();
     approx::assert_relative_eq!(0.5 * twice, system.kinetic_energy(&velocity), max_relative = 1e-12);
+}
+
+/// A chain of two bodies on spherical joints, one of them to the ground.
+fn chain() -> Model {
+    let bodies = vec![
+        body("a", [1.0, 0.0, 0.0], 2.0, Some([0.1, 0.2, 0.3])),
+        body("b", [3.0, 0.0, 0.0], 1.0, Some([0.1; 3])),
+    ];
+    let joints = vec![spherical("ground", "a", [0.0; 3]), spherical("a", "b", [2.0, 0.0, 0.0])];
+    machine(0.1, 1e-2, bodies, joints)
+}
+
+/// Behind an increment bodies are where the exponential map turns them, and gradients are the derivatives of the constraints.
+#[test]
+fn constraints_have_their_gradients_and_bodies_turn() {
+    let (_, system) = compile(&chain());
+    let start = State::at_rest(&system);
+    let along = |state: &State, x: &[f64], h: f64| {
+        let increment: Vec<f64> = x.iter().map(|x| h * x).collect();
+        State { u: moved(&system, state, &increment), ..state.clone() }
+    };
+    let mut quarter = vec![0.0; system.unknowns()];
+    let directors = system.coordinates.bodies[0].directors.unwrap();
+    quarter[system.dofs().of(directors[0] as usize)[2] as usize] = std::f64::consts::FRAC_PI_2;
+    let turned = along(&start, &quarter, 1.0);
+    let now = |v: u32, i: usize| system.coordinates.reference[v as usize][i] + turned.u[v as usize][i];
+    let found = [0, 1, 2].map(|d| [0, 1, 2].map(|i| now(directors[d], i)));
+    let expected = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+    for (found, expected) in found.as_flattened().iter().zip(expected.as_flattened()) {
+        approx::assert_abs_diff_eq!(found, expected, epsilon = 1e-15);
+    }
+    // The body has turned about its mass centre by a quarter, and both of its joints are open by what its arms have moved.
+    let values: Vec<f64> = constraints(&system, &turned).into_iter().map(|(value, _)| value.abs()).collect();
+    for (found, expected) in values.iter().zip([1.0, 1.0, 0.0, 1.0, 1.0, 0.0]) {
+        approx::assert_abs_diff_eq!(found, &expected, epsilon = 1e-15);
+    }
+    let mut random = Random::new(5);
+    let x: Vec<f64> = (0..system.unknowns()).map(|_| random.next()).collect();
+    let [behind, ahead] = [-1e-6, 1e-6].map(|h| constraints(&system, &along(&turned, &x, h)));
+    for (i, (_, gradient)) in constraints(&system, &turned).iter().enumerate() {
+        let product: f64 = gradient.iter().map(|(number, g)| g * x[*number as usize]).sum();
+        approx::assert_relative_eq!(product, (ahead[i].0 - behind[i].0) / 2e-6, max_relative = 1e-8);
+    }
+}
+
+#[test]
+fn states_of_other_systems_do_not_fit() {
+    let (_, system) = compile(&chain());
+    let state = State::at_rest(&system);
+    assert_eq!(state.misfit(&system), None);
+    assert_eq!(State { multipliers: vec![0.0; 5], ..state.clone() }.misfit(&system), Some("multipliers"));
+    assert_eq!(State { v: vec![[0.0; 3]; 1], ..state.clone() }.misfit(&system), Some("v"));
+    let (_, other) = compile(&loaded(ElementKind::Ems));
+    assert_eq!(state.misfit(&other), Some("u"));
 }
 
 #[test]

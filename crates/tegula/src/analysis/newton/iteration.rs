@@ -425,7 +425,12 @@ fn limit_rotation(system: &System, turn: f64, increment: &mut [Nodal]) {
 
 /// Retraction of the increments of inextensible directors onto the unit sphere, along the great circle (exponential
 /// map), and of the directors of rigid bodies onto rotations.
-pub(super) fn retract(system: &System, frames: &LocalFrames, motion: &Motion, increment: &mut [Nodal]) {
+pub(in crate::analysis) fn retract(
+    system: &System,
+    frames: &LocalFrames,
+    motion: &Motion,
+    increment: &mut [Nodal],
+) {
     let (Motion::State { u, .. } | Motion::Step { new: u, .. }) = motion;
     retract_bodies(system, frames, u, increment);
     for unit in &frames.dofs().unit {
