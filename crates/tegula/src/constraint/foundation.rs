@@ -2,6 +2,7 @@
 //! `½ Σ w_ab u_a·K u_b` and Kelvin–Voigt damping, forces `Σ w_ab K (u_b + τ u̇_b)` (E. Winkler, *Die Lehre von der Elasticität und
 //! Festigkeit*, 1867).
 
+use crate::element::power_series::{KnownOrders, PowerSeries};
 use crate::element::{ElementGroup, GroupPoint, Motion, Nodal, StressIncrement, TangentRequest};
 use crate::{Mat3, Vec3};
 
@@ -83,6 +84,25 @@ fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..n).flat_map(|a| (0..=a).map(move |b| (a, b)))
 }
 
+/// Forces are linear in the displacements: those of an order have no known part.
+impl PowerSeries for FoundationGroup {
+    fn stored_stresses(&self, _: usize) -> usize {
+        0
+    }
+
+    fn forces_of_order(&self, _: &KnownOrders, _: &mut [f64], forces: &mut [f64]) {
+        forces.fill(0.0);
+    }
+
+    fn tangent_products(&self, _: &GroupPoint, field: &[Nodal], forces: &mut [f64]) {
+        for (element, out) in forces.chunks_exact_mut(3 * self.vectors).enumerate() {
+            let vectors = &self.members[element].vectors;
+            let products = self.products(element, |a| Vec3::from(field[vectors[a] as usize]));
+            out.chunks_exact_mut(3).zip(&products).for_each(|(out, x)| out.copy_from_slice(x.as_slice()));
+        }
+    }
+}
+
 impl ElementGroup for FoundationGroup {
     fn name(&self) -> &'static str {
         FoundationElement::NAME
@@ -110,6 +130,10 @@ impl ElementGroup for FoundationGroup {
 
     fn retardation_time(&self) -> f64 {
         self.retardation_time
+    }
+
+    fn power_series(&self) -> Option<&dyn PowerSeries> {
+        Some(self)
     }
 
     fn evaluate(

@@ -170,3 +170,35 @@ fn a_body_on_the_edge_of_a_plate_moves_as_by_arc_length() {
         assert!(10 * series.statistics.factorizations < arc.statistics.factorizations);
     }
 }
+
+/// A strip of MITC4 elements on an elastic foundation c per area buckles in n half waves at `N = D (nπ/L)² + c (L/nπ)²` per width (ν = 0), here two of
+/// them (M. Hetényi, *Beams on Elastic Foundation*, 1946): bifurcation and path as by arc length.
+#[test]
+fn a_strip_on_a_foundation_branches_at_its_load() {
+    let (young, thickness, width) = (1e9, 0.01_f64, 0.05);
+    let bending = young * thickness.powi(3) / 12.0;
+    let stiffness = 6.0 * bending * std::f64::consts::PI.powi(4);
+    let euler = |n: f64| {
+        let wave = n * std::f64::consts::PI;
+        bending * wave * wave + stiffness / (wave * wave)
+    };
+    let load = euler(2.0);
+    assert!(load < euler(1.0) && load < euler(3.0));
+    let mut m = crate::common::model(crate::common::plate([1.0, width], [40, 1], 0.0), young, thickness);
+    m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(young, 0.0, 1.0)));
+    m.sections[0].element = ElementKind::Mitc4;
+    let guided = FixComponents { on: "u_max".into(), position: vec![Axis::Y, Axis::Z], director: Vec::new() };
+    m.conditions = vec![Condition::Hinge(crate::common::on("u_min")), Condition::Fix(guided)];
+    m.foundations = vec![Foundation::Area(AreaFoundation {
+        on: "all".into(),
+        stiffness: [0.0, 0.0, stiffness],
+        normal: 0.0,
+        retardation_time: 0.0,
+    })];
+    m.loads = vec![Load::Edge(crate::common::vector_load("u_max", [-1.1 * load, 0.0, 0.0]))];
+    m.analysis = Analysis::Path(PathAnalysis { end_load: 1.0, ..Default::default() });
+    let [(_, series, _), (_, arc, _)] = both(&m);
+    let [found, other] = [&series, &arc].map(critical);
+    assert!((1.1 * found[0].load - 1.0).abs() < 5e-3, "{}", 1.1 * found[0].load);
+    assert!((found[0].load / other[0].load - 1.0).abs() < 1e-7, "{} {}", found[0].load, other[0].load);
+}
