@@ -8,7 +8,9 @@ use tegula::analysis::{Silent, statics};
 use tegula::element::Nodal;
 use tegula::model::Analysis;
 use tegula_io::deck::Deck;
-use tegula_io::job::{self, Prepared};
+use tegula_io::job::{self, JobOptions, Prepared, Unwatched};
+use tegula_io::mesh::MeshReader as _;
+use tegula_io::mesh::vtu::Vtu;
 
 /// Plate of `tests/data/vtu.py`, clamped along x = 0 by the lines of the file; point array t = 1 + x/2 + y/4, cell array p = 1, 2, …
 const MODEL: &str = r#"
@@ -45,7 +47,7 @@ fn displacements(parts: &str) -> Vec<Nodal> {
     statics::run(&prepared.system, options, None, &mut Silent).unwrap().state.u
 }
 
-/// The same model with a field and with the formula of which the field has the values, or whose means its cells have.
+/// Difference between a model with a field and one with the formula whose values, or means over cells, the field has.
 fn compare(model: &str, tolerance: f64) {
     for (field, formula) in [("t", "1 + x/2 + y/4"), ("p", "1 + (x - 0.5) + 3*(y - 0.5)")] {
         if field == "p" && !model.contains("CELLS TOO") {
@@ -136,6 +138,33 @@ fn a_traction_by_a_field_of_cells_is_the_sum_over_the_cells() {
     }
 }
 
+/// The field files of a run are meshes: the points and elements of the model, with the scalar fields of the results.
+#[test]
+fn results_of_this_program_are_meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = prepared(folder.path(), "vtk-ascii.vtu", &format!("{SECTION}{PRESSURE}")).unwrap().mesh;
+    let deck = Deck::parse(folder.path().join("model.toml"), &format!("{MODEL}{SECTION}{PRESSURE}")).unwrap();
+    let options = JobOptions { folder: folder.path().join("results"), resume: false, force: false };
+    job::run(&deck, &options, &mut Unwatched).unwrap();
+    let files = fs::read_dir(folder.path().join("results/fields")).unwrap();
+    let mut count = 0;
+    for file in files.map(|file| file.unwrap().path()).filter(|path| path.extension().unwrap() == "vtu") {
+        let read = Vtu::parse(&file, &fs::read(&file).unwrap(), 1.0).unwrap();
+        assert_eq!((&read.positions, &read.quads), (&mesh.positions, &mesh.quads));
+        assert!(read.field("von_mises").is_ok() && read.field("energy_density").is_ok(), "{:?}", read.fields);
+        count += 1;
+    }
+    assert!(count >= 2, "{count} files");
+    // The last file as the mesh of another model, whose thickness grows with the stress of the first.
+    fs::copy(folder.path().join("results/fields/0001.vtu"), folder.path().join("plate.vtu")).unwrap();
+    let again = format!("{MODEL}{SECTION}{PRESSURE}").replace("gmsh:physical:1", "left")
+        + "[[sets]]\ntype = \"plane\"\nname = \"left\"\nat = [0.0, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\n";
+    let again =
+        again.replace(SECTION, &format!("{SECTION}thickness_distribution = {{ field = \"von_mises\" }}\n"));
+    let prepared = job::prepare(&Deck::parse(folder.path().join("model.toml"), &again).unwrap()).unwrap();
+    assert!(prepared.system.sections.len() >= 3, "{} thicknesses", prepared.system.sections.len());
+}
+
 #[test]
 fn fields_that_cannot_be_distributions_are_refused_with_their_key() {
     let folder = tempfile::tempdir().unwrap();
@@ -164,5 +193,5 @@ fn fields_that_cannot_be_distributions_are_refused_with_their_key() {
     let deck =
         Deck::parse("model.toml", &format!("{plate}\n{text}{}", pressure("{ field = \"t\" }"))).unwrap();
     let message = job::prepare(&deck).err().unwrap().to_string();
-    assert!(message.contains("a mesh file of `type = \"vtu\"` brings its arrays along"), "{message}");
+    assert!(message.contains("VTU files and views in Gmsh files bring fields along"), "{message}");
 }

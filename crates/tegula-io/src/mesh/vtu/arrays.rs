@@ -78,7 +78,7 @@ impl Source<'_> {
             Some("appended") => {
                 let offset = array.attribute("offset").and_then(|offset| offset.trim().parse().ok());
                 let offset: usize = offset.ok_or_else(|| failed("has no offset".into()))?;
-                let stream = self.appended.as_ref().and_then(|appended| appended.from(offset));
+                let stream = self.appended.as_ref().and_then(|appended| appended.behind(offset));
                 let beyond = || failed(format!("begins at {offset}, beyond the appended data"));
                 self.decoded(&stream.ok_or_else(beyond)?, kind, count).map_err(failed)
             }
@@ -139,6 +139,11 @@ fn words(text: &str, kind: Kind, count: usize) -> Result<Numbers, String> {
 /// Number of components of an array.
 pub(super) fn components(array: Node<'_, '_>) -> usize {
     array.attribute("NumberOfComponents").and_then(|n| n.trim().parse().ok()).unwrap_or(1)
+}
+
+/// True for arrays of integers of one byte.
+pub(super) fn is_byte(array: Node<'_, '_>) -> bool {
+    matches!(array.attribute("type"), Some("Int8" | "UInt8"))
 }
 
 /// True for arrays of numbers; others, as of strings, are passed over.

@@ -37,7 +37,7 @@ const SHORT: &str = "ends early";
 
 impl Stream<'_> {
     /// Data from an offset on.
-    pub fn from(&self, offset: usize) -> Option<Stream<'_>> {
+    pub fn behind(&self, offset: usize) -> Option<Stream<'_>> {
         Some(Stream { data: Cow::Borrowed(self.data.get(offset..)?), base64: self.base64 })
     }
 

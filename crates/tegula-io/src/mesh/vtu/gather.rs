@@ -81,26 +81,44 @@ fn quads(grid: &Grid) -> Result<Vec<(usize, [u32; 4])>, Fault> {
     Ok(out)
 }
 
+/// Array of integers that are groups.
+struct Groups<'a> {
+    array: &'a Array,
+    values: &'a [i64],
+    /// Whether the values are truth values.
+    truth: bool,
+}
+
+impl Groups<'_> {
+    /// Name of the set of a point or cell; `None` where it is in none.
+    fn set(&self, place: usize) -> Option<String> {
+        let value = self.values.get(place)?;
+        let name = &self.array.name;
+        if self.truth { (*value == 1).then(|| name.clone()) } else { Some(format!("{name}:{value}")) }
+    }
+}
+
 /// Arrays of integers that are groups.
-fn groups(data: &Data) -> impl Iterator<Item = (&Array, &[i64])> {
+fn groups(data: &Data) -> impl Iterator<Item = Groups<'_>> {
     data.arrays.iter().filter_map(|array| match &array.numbers {
-        Numbers::Whole(list) if array.components == 1 && !array.is_id => {
-            let different: HashSet<i64> = list.iter().copied().collect();
-            (different.len() <= MOST_GROUPS).then_some((array, &list[..]))
+        Numbers::Whole(values) if array.components == 1 && !array.is_id => {
+            let mut different = HashSet::new();
+            let few = values.iter().all(|&value| {
+                different.insert(value);
+                different.len() <= MOST_GROUPS
+            });
+            let truth = array.is_byte && different.iter().all(|value| [0, 1].contains(value));
+            few.then_some(Groups { array, values, truth })
         }
         _ => None,
     })
 }
 
-fn set_name(array: &Array, value: i64) -> String {
-    format!("{}:{value}", array.name)
-}
-
 fn sets_of_points(data: &Data, used: &BTreeSet<u32>, mesh: &mut Mesh) {
-    for (array, values) in groups(data) {
+    for groups in groups(data) {
         for (&point, node) in used.iter().zip(0..) {
-            if let Some(&value) = values.get(point as usize) {
-                mesh.node_sets.entry(set_name(array, value)).or_default().push(node);
+            if let Some(name) = groups.set(point as usize) {
+                mesh.node_sets.entry(name).or_default().push(node);
             }
         }
     }
@@ -120,16 +138,17 @@ fn sets_of_cells(
         .flat_map(|&[a, b, c, d]| [[a, b], [b, c], [c, d], [d, a]].map(sorted))
         .collect();
     let (mut edge_sets, mut node_sets) = (BTreeMap::<_, Vec<_>>::new(), BTreeMap::<_, Vec<_>>::new());
-    for (array, values) in groups(&grid.cell_data) {
+    for groups in groups(&grid.cell_data) {
         for (quad, &number) in (0..).zip(numbers) {
-            if let Some(&value) = values.get(number) {
-                mesh.quad_sets.entry(set_name(array, value)).or_default().push(quad);
+            if let Some(name) = groups.set(number) {
+                mesh.quad_sets.entry(name).or_default().push(quad);
             }
         }
-        for (number, (cell, &value)) in grid.cells.iter().zip(values).enumerate() {
-            let name = || set_name(array, value);
+        let others = grid.cells.iter().enumerate().filter(|(_, cell)| !matches!(cell, Cell::Quad(_)));
+        for (number, cell) in others {
+            let Some(name) = groups.set(number) else { continue };
             let lost = |what: String, help: &str| {
-                Fault::new(format!("{what} of cell {number}, of the group \"{}\",", name()) + " is not in the mesh", help)
+                Fault::new(format!("{what} of cell {number}, of the group \"{}\",", name) + " is not in the mesh", help)
             };
             match cell {
                 Cell::Quad(_) => {}
@@ -142,14 +161,14 @@ fn sets_of_cells(
                         if !sides.contains(&edge) {
                             return Err(side());
                         }
-                        edge_sets.entry(name()).or_default().push(edge);
+                        edge_sets.entry(name.clone()).or_default().push(edge);
                     }
                 }
                 Cell::Vertices(points) => {
                     for &point in points {
                         let help = "take vertices that belong to no quadrilateral out of the file, or the integer arrays of its cells";
                         let node = local(point).ok_or_else(|| lost(format!("the vertex at point {point}"), help))?;
-                        node_sets.entry(name()).or_default().push(node);
+                        node_sets.entry(name.clone()).or_default().push(node);
                     }
                 }
             }

@@ -3,7 +3,7 @@
 use roxmltree::{Document, Node};
 
 use super::Fault;
-use super::arrays::{Numbers, Source, components, is_numeric};
+use super::arrays::{Numbers, Source, components, is_byte, is_numeric};
 use super::cells::{self, Cell};
 use super::document::{Parts, line, root, split};
 
@@ -33,6 +33,8 @@ pub(super) struct Array {
     pub components: usize,
     /// Numbers of an array of one component; those of others are not read.
     pub numbers: Numbers,
+    /// True for integers of one byte, which may be truth values.
+    pub is_byte: bool,
     /// True for numbers that tell points or cells from one another and are no groups.
     pub is_id: bool,
 }
@@ -189,10 +191,11 @@ impl Data {
             let known = self.arrays.iter_mut().find(|array| array.name == name);
             match known {
                 None if before == 0 => {
-                    let (name, is_id) = (name.to_owned(), ids(section, name));
-                    self.arrays.push(Array { name, components, numbers, is_id });
+                    let (name, is_byte, is_id) = (name.to_owned(), is_byte(node), ids(section, name));
+                    self.arrays.push(Array { name, components, numbers, is_byte, is_id });
                 }
                 Some(array) if array.components == components && (components > 1 || array.numbers.len() == before) => {
+                    array.is_byte &= is_byte(node);
                     array.numbers.append(numbers);
                 }
                 _ => return Err(Self::uneven(name).at_line(line(node))),

@@ -7,6 +7,7 @@
 //! | vertex | a node of the sets of its integer arrays; without such arrays nothing |
 //! | integer array `NAME` of one component on cells | sets `NAME:VALUE` of quads, edges and nodes |
 //! | integer array `NAME` of one component on points | node sets `NAME:VALUE` |
+//! | truth values `NAME`: 0 and 1 in integers of one byte | the set `NAME` of those with 1 |
 //! | array of one component | a field, from which distributions take their values |
 //!
 //! Arrays stand as text, in base64 or raw, in the element or behind all others (appended), compressed by zlib or not, in either byte order and with 32- or

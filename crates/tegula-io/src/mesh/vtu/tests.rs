@@ -160,6 +160,19 @@ fn lines_and_vertices_belong_to_sets_or_are_passed_over() {
 }
 
 #[test]
+fn truth_values_are_sets_of_their_name() {
+    let cells: [(u8, &[u32]); 3] = [(9, &[0, 1, 4, 3]), (9, &[1, 2, 5, 4]), (3, &[0, 8])];
+    let bytes = |name: &str, values: &str| integers(name, values).replace("Int32", "UInt8");
+    let cell_data = bytes("inner part", "0 1 0") + &bytes("none", "0 0 0");
+    let mesh = read(ascii(9, &cells, [&bytes("held", "1 0 0 1 0 0 0 0 0"), &cell_data]).as_bytes()).unwrap();
+    assert_eq!(mesh.set_names(), ["all", "held", "inner part"]);
+    assert_eq!((&mesh.node_sets["held"][..], &mesh.quad_sets["inner part"][..]), (&[0, 3][..], &[1][..]));
+    let numbers = read(ascii(9, &cells[..2], ["", &bytes("g", "0 2")]).as_bytes()).unwrap();
+    assert_eq!(numbers.set_names(), ["all", "g:0", "g:2"]);
+    refused(ascii(9, &cells[..2], ["", &bytes("all", "0 1")]), "all");
+}
+
+#[test]
 fn numbers_of_points_are_no_groups() {
     let points = "7 7 7 7 7 7 7 7 7";
     let text = ascii(9, &[(9, &[0, 1, 4, 3])], [&(integers("ids", points) + &integers("vtkIds", points) + &integers("g", points)), ""]);
@@ -219,6 +232,15 @@ fn mistakes_name_the_array_and_the_remedy() {
         let error = Vtu::parse(Path::new("a.vtu"), whole.as_bytes(), scale).unwrap_err();
         assert!(error.to_string().contains("the factor on the coordinates is"), "{error}");
     }
+}
+
+#[test]
+fn nested_elements_and_entities_do_no_harm() {
+    let whole = String::from_utf8(fs::read(folder().join("vtk-ascii.vtu")).unwrap()).unwrap();
+    let nested = format!("{}{}", "<a>".repeat(100_000), "</a>".repeat(100_000));
+    let _ = read(whole.replacen("<PointData>", &format!("{nested}<PointData>"), 1).as_bytes());
+    let bomb = "<!DOCTYPE a [<!ENTITY b \"1111111111\"><!ENTITY c \"&b;&b;&b;&b;&b;&b;&b;&b;\">]>";
+    refused(whole.replacen("<VTKFile", &format!("{bomb}<VTKFile"), 1), "this is no VTU file, or a damaged one");
 }
 
 /// A block of zeros that is 1000 times as long as its compressed data is not decompressed beyond the expected length.
