@@ -63,7 +63,7 @@ impl Fields {
         };
         let [points, cells] = [&self.nodes, &self.quads].map(|fields| list(fields.keys().collect()));
         match (points.is_empty(), cells.is_empty()) {
-            (true, true) => "the mesh has no fields of one component; a mesh file of `type = \"vtu\"` brings its arrays along".into(),
+            (true, true) => "the mesh has no fields of one component; VTU files and views in Gmsh files bring fields along".into(),
             (false, true) => format!("the mesh has, of points, {points}"),
             (true, false) => format!("the mesh has, of cells, {cells}"),
             (false, false) => format!("the mesh has, of points, {points}, and of cells {cells}"),
