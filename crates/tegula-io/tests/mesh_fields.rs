@@ -35,7 +35,7 @@ const PRESSURE: &str = "[[loads]]\ntype = \"pressure\"\nvalue = 1e-4\n";
 fn prepared(folder: &Path, file: &str, parts: &str) -> Result<Prepared, String> {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/vtu").join(file);
     fs::copy(data, folder.join("plate.vtu")).unwrap();
-    let deck = Deck::parse(folder.join("model.toml"), &format!("{MODEL}{parts}"));
+    let deck = Deck::parse(folder.join("model.toml"), format!("{MODEL}{parts}"));
     let deck = deck.map_err(|found| found.iter().map(ToString::to_string).collect::<String>())?;
     job::prepare(&deck).map_err(|error| error.to_string())
 }
@@ -143,7 +143,7 @@ fn a_traction_by_a_field_of_cells_is_the_sum_over_the_cells() {
 fn results_of_this_program_are_meshes() {
     let folder = tempfile::tempdir().unwrap();
     let mesh = prepared(folder.path(), "vtk-ascii.vtu", &format!("{SECTION}{PRESSURE}")).unwrap().mesh;
-    let deck = Deck::parse(folder.path().join("model.toml"), &format!("{MODEL}{SECTION}{PRESSURE}")).unwrap();
+    let deck = Deck::parse(folder.path().join("model.toml"), format!("{MODEL}{SECTION}{PRESSURE}")).unwrap();
     let options = JobOptions { folder: folder.path().join("results"), resume: false, force: false };
     job::run(&deck, &options, &mut Unwatched).unwrap();
     let files = fs::read_dir(folder.path().join("results/fields")).unwrap();
@@ -191,7 +191,7 @@ fn fields_that_cannot_be_distributions_are_refused_with_their_key() {
     let text =
         MODEL.replace("[mesh]\ntype = \"vtu\"\nfile = \"plate.vtu\"", "").replace("gmsh:physical:1", "u_min");
     let deck =
-        Deck::parse("model.toml", &format!("{plate}\n{text}{}", pressure("{ field = \"t\" }"))).unwrap();
+        Deck::parse("model.toml", format!("{plate}\n{text}{}", pressure("{ field = \"t\" }"))).unwrap();
     let message = job::prepare(&deck).err().unwrap().to_string();
     assert!(message.contains("VTU files and views in Gmsh files bring fields along"), "{message}");
 }

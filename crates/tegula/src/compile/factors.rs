@@ -90,3 +90,57 @@ pub(super) fn means(distribution: Option<&Distribution>, mesh: &Mesh, quads: &[u
     let integrals = factors.over_elements(mesh, &elements).unwrap_or_default();
     integrals.iter().map(Integral::mean).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::mesh::generators::generate;
+    use crate::model::{Grid, MeshSource, PlateMesh};
+
+    /// A warped mesh of distorted elements with the field `f` = 2 + x − 3y + z at its nodes, a linear function, which the interpolation of positions keeps.
+    fn warped() -> Mesh {
+        let grid = Grid { distortion: 0.3, ..Grid::uniform(4, 3) };
+        let mut mesh =
+            generate(&MeshSource::Plate(PlateMesh { grid, ..PlateMesh::new([1.0, 2.0], [4, 3]) })).unwrap();
+        mesh.positions.iter_mut().for_each(|x| x.z = 0.3 * x.x * x.y);
+        let values = mesh.positions.iter().map(|x| 2.0 + x.x - 3.0 * x.y + x.z).collect();
+        mesh.fields.nodes.insert("f".into(), values);
+        mesh.fields.quads.insert("number".into(), (0..mesh.quads.len()).map(|q| q as f64).collect());
+        mesh
+    }
+
+    #[test]
+    fn a_field_of_a_linear_function_has_the_integrals_of_its_formula() {
+        let mesh = warped();
+        let [field, formula] = [Distribution::of_field("f"), "2 + x - 3*y + z".into()];
+        let [field, formula] =
+            [&field, &formula].map(|distribution| Factors::of(distribution, &mesh).unwrap());
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-13, "{a} {b}");
+        for node in 0..mesh.positions.len() as u32 {
+            near(field.at_node(&mesh, node).unwrap(), formula.at_node(&mesh, node).unwrap());
+        }
+        let [a, b] = [&field, &formula].map(|factors| factors.over_elements(&mesh, &mesh.quads).unwrap());
+        for (a, b) in a.iter().zip(&b) {
+            (0..4).for_each(|i| near(a.nodal[i], b.nodal[i]));
+        }
+        let edges = mesh.edges_on("all").unwrap();
+        let [a, b] = [&field, &formula].map(|factors| factors.over_edges(&mesh, &edges).unwrap());
+        assert_eq!(a.len(), 14);
+        for (a, b) in a.iter().zip(&b) {
+            (0..2).for_each(|i| near(a.nodal[i], b.nodal[i]));
+        }
+    }
+
+    #[test]
+    fn a_field_of_cells_has_its_values_bit_by_bit() {
+        let mesh = warped();
+        let number = Distribution::of_field("number");
+        assert_eq!(means(Some(&number), &mesh, &[7, 0, 11]), [7.0, 0.0, 11.0]);
+        assert_eq!(means(None, &mesh, &[7, 0]), [1.0; 2]);
+        let factors = Factors::of(&number, &mesh).unwrap();
+        assert_eq!((factors.at_node(&mesh, 0), factors.by_quad().map(<[f64]>::len)), (None, Some(12)));
+        assert!(Factors::of(&Distribution::of_field("none"), &mesh).is_none());
+    }
+}
