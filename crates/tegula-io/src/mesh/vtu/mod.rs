@@ -15,7 +15,8 @@
 //! name. Pieces follow one another in one mesh.
 //!
 //! The reader stands on `roxmltree` and `flate2`, which the writer and reader of results need, too. The crate `vtkio` 0.6.3 refuses files without `header_type`,
-//! as those of meshio are, and compressed arrays in elements, panics at damaged ones, and brings 9 crates along, of which the compiler warns.
+//! as those of meshio are, and compressed arrays in elements, panics at damaged files, and brings 8 packages along, two of which the compiler announces to
+//! refuse in future.
 //!
 //! Format: "VTK XML formats", <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 

@@ -190,9 +190,11 @@ fn pieces_follow_one_another() {
     let with = |second: &str| format!("{}{empty}{second}{}", &one[..end], &one[end..]);
     // Points 0 1 2 in a row and 3 above the first one.
     let second = one[begin..end].to_owned();
-    let mesh = read(with(&second).as_bytes()).unwrap();
+    let mut mesh = read(with(&second).as_bytes()).unwrap();
     assert_eq!(mesh.quads, [[0, 1, 3, 2], [4, 5, 7, 6]]);
     assert_eq!(mesh.node_sets["g:2"], [2, 3, 6, 7]);
+    assert_eq!(mesh.merge_coincident_nodes().unwrap(), 4);
+    assert_eq!(mesh.field("g").unwrap(), FieldValues::Nodes(&[1.0, 1.0, 2.0, 2.0]));
     refused(with(&second.replace("\"g\"", "\"h\"")), "the array \"h\" stands twice in a piece, or not in every piece");
     refused(with(&second.replace(&integers("g", "1 1 2 2"), "")), "the array \"g\" stands twice in a piece");
 }
