@@ -1,6 +1,6 @@
 //! Mesh from the grid of a file.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use tegula::mesh::{Fields, Labels};
 use tegula::mesh::sets::RENAME_ALL;
@@ -17,8 +17,9 @@ const MOST_GROUPS: usize = 1000;
 /// Quads on the points they use, with sets and fields; all coordinates are multiplied by `scale`.
 pub(super) fn mesh(grid: &Grid, file: String, scale: f64) -> Result<Mesh, Fault> {
     let quads = quads(grid)?;
-    let used: BTreeSet<u32> = quads.iter().flat_map(|(_, quad)| *quad).collect();
     let mut place = vec![None; grid.points.len()];
+    quads.iter().flat_map(|(_, quad)| quad).for_each(|&point| place[point as usize] = Some(0));
+    let used: Vec<u32> = (0..).zip(&place).filter(|(_, node)| node.is_some()).map(|(point, _)| point).collect();
     for (&point, node) in used.iter().zip(0_u32..) {
         place[point as usize] = Some(node);
     }
@@ -114,7 +115,7 @@ fn groups(data: &Data) -> impl Iterator<Item = Groups<'_>> {
     })
 }
 
-fn sets_of_points(data: &Data, used: &BTreeSet<u32>, mesh: &mut Mesh) {
+fn sets_of_points(data: &Data, used: &[u32], mesh: &mut Mesh) {
     for groups in groups(data) {
         for (&point, node) in used.iter().zip(0..) {
             if let Some(name) = groups.set(point as usize) {
@@ -132,11 +133,11 @@ fn sets_of_cells(
     mesh: &mut Mesh,
 ) -> Result<(), Fault> {
     let sorted = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
-    let sides: HashSet<[u32; 2]> = mesh
-        .quads
-        .iter()
-        .flat_map(|&[a, b, c, d]| [[a, b], [b, c], [c, d], [d, a]].map(sorted))
-        .collect();
+    // Only lines need the sides of the quads.
+    let has_lines = grid.cells.iter().any(|cell| matches!(cell, Cell::Line(_)));
+    let with_sides = if has_lines { &mesh.quads[..] } else { &[] };
+    let sides_of = |&[a, b, c, d]: &[u32; 4]| [[a, b], [b, c], [c, d], [d, a]].map(sorted);
+    let sides: HashSet<[u32; 2]> = with_sides.iter().flat_map(sides_of).collect();
     let (mut edge_sets, mut node_sets) = (BTreeMap::<_, Vec<_>>::new(), BTreeMap::<_, Vec<_>>::new());
     for groups in groups(&grid.cell_data) {
         for (quad, &number) in (0..).zip(numbers) {
@@ -189,7 +190,7 @@ fn distinct<T: Copy + Eq + std::hash::Hash>(items: Vec<T>) -> Vec<T> {
 }
 
 /// Arrays on the points and quads of the mesh.
-fn fields(grid: &Grid, used: &BTreeSet<u32>, numbers: &[usize]) -> Fields {
+fn fields(grid: &Grid, used: &[u32], numbers: &[usize]) -> Fields {
     let mut out = Fields::default();
     let nodes: Vec<usize> = used.iter().map(|&point| point as usize).collect();
     let lists = [(&grid.point_data, &nodes[..], &mut out.nodes), (&grid.cell_data, numbers, &mut out.quads)];
