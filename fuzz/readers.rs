@@ -8,7 +8,8 @@ use std::path::Path;
 use tegula_io::deck::Deck;
 use tegula_io::job::{JobError, Summary, prepare};
 use tegula_io::memory::{self, Limit};
-use tegula_io::mesh::{node_table, readers, stl};
+use tegula_io::mesh::vtu::Vtu;
+use tegula_io::mesh::{MeshReader as _, node_table, readers, stl};
 use tegula_io::out::vtu_file::VtuFile;
 use tegula_io::out::{HistoryWriter, PvdSeries, csv};
 use tegula_io::report;
@@ -24,6 +25,11 @@ pub fn mesh_file(bytes: &[u8]) {
     }
     let _ = stl::parse(path, bytes);
     let _ = node_table::parse(path, bytes);
+}
+
+/// VTU files as meshes.
+pub fn vtu_file(bytes: &[u8]) {
+    let _ = Vtu::parse(Path::new("file"), bytes, 1.0);
 }
 
 /// Input files of Abaqus, CalculiX and Nastran.

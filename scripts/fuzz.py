@@ -4,7 +4,7 @@
     cargo install cargo-fuzz && rustup toolchain install nightly
     python3 scripts/fuzz.py [--seconds 900] [--keep] [TARGET...]
 
-Each target (`fuzz/readers.rs`) runs for a quarter of an hour, all four for an hour, unless `--seconds` tells otherwise. Files that make a
+Each target (`fuzz/readers.rs`) runs for a quarter of an hour unless `--seconds` tells otherwise. Files that make a
 reader panic, take 30 s or 2 GiB are kept in `target/fuzz/TARGET/found`, and the exit code is 1: repair the reader and run again.
 `--keep` writes the smallest set of files that reach all that was reached, of up to 2000 bytes each, to `fuzz/corpus/TARGET.gz`: a line in
 base64 for each file. The test `files_of_the_corpus_are_read_or_refused` feeds these to the readers.
@@ -20,10 +20,11 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-TARGETS = ["mesh_file", "keyword_input", "model_file", "result_file"]
+TARGETS = ["mesh_file", "vtu_file", "keyword_input", "model_file", "result_file"]
 # Examples and data of the tests, with which a target begins beside its corpus.
 SEEDS = {
     "mesh_file": ["crates/tegula-io/tests/data/*.msh", "examples/*.inp", "examples/*.bdf"],
+    "vtu_file": ["crates/tegula-io/tests/data/vtu/*.vtu"],
     "keyword_input": ["examples/*.inp", "examples/*.bdf"],
     "model_file": ["crates/tegula-io/templates/*.toml", "examples/*.toml"],
     "result_file": [],

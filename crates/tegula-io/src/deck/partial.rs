@@ -131,7 +131,9 @@ impl<'s> Filler<'s> {
     /// Fills in all required keys in and below a value; none where nothing plausible is known.
     fn complete(&mut self, schema: &'s Json, value: &mut Value, path: &str) -> Option<()> {
         match (wanted(self.root, schema), value) {
-            (Wanted::Table(keys), Value::Table(table)) => self.table(keys, table, path),
+            (Wanted::Table(keys) | Wanted::StringOrTable(keys), Value::Table(table)) => {
+                self.table(keys, table, path)
+            }
             (Wanted::Tagged(branches), Value::Table(table)) => {
                 let chosen = table.get("type").and_then(Value::as_str).map(str::to_owned);
                 // Without a type, the one that has most of the keys.
@@ -183,7 +185,7 @@ impl<'s> Filler<'s> {
             }
             Wanted::Boolean => Value::Boolean(false),
             Wanted::Choice(choices) => Value::String((*choices.first()?).to_owned()),
-            Wanted::String => Value::String(match key {
+            Wanted::String | Wanted::StringOrTable(_) => Value::String(match key {
                 "on" => "all".into(),
                 "material" => self.material.clone(),
                 "expression" => "t".into(),

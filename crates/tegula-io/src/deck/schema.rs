@@ -39,6 +39,8 @@ pub(super) enum Wanted<'s> {
     Count((i128, i128), Vec<&'s str>),
     /// Any string.
     String,
+    /// Any string, or a table with these keys.
+    StringOrTable(Table<'s>),
     /// `true` or `false`.
     Boolean,
     /// Something this validator does not know; left to the typed reader.
@@ -103,8 +105,13 @@ fn own_alternatives(schema: &Value) -> Option<Vec<&Value>> {
     Some(all.iter().filter(|s| s.get("type").and_then(Value::as_str) != Some("null")).collect())
 }
 
-/// `anyOf`: an integer or constant strings.
-fn count<'s>(root: &'s Value, branches: &[&'s Value]) -> Wanted<'s> {
+/// `anyOf`: an integer or constant strings, or a string or a table.
+fn mixed<'s>(root: &'s Value, branches: &[&'s Value]) -> Wanted<'s> {
+    if let [text, table] = branches
+        && let (Wanted::String, Wanted::Table(table)) = (wanted(root, text), wanted(root, table))
+    {
+        return Wanted::StringOrTable(table);
+    }
     let (mut range, mut choices) = (None, Vec::new());
     for branch in branches {
         match wanted(root, branch) {
@@ -123,7 +130,7 @@ pub(super) fn wanted<'s>(root: &'s Value, schema: &'s Value) -> Wanted<'s> {
         return Wanted::Choice(choices.iter().filter_map(Value::as_str).collect());
     }
     if let Some(branches) = own_alternatives(schema) {
-        return count(root, &branches);
+        return mixed(root, &branches);
     }
     if let Some(branches) = schema.get("oneOf").and_then(Value::as_array) {
         return alternatives(root, branches);
@@ -203,6 +210,7 @@ impl Wanted<'_> {
             Self::Table(_) | Self::Tagged(_) => "a table".into(),
             Self::Named(_) => "a table of things by name".into(),
             Self::Choice(_) | Self::String => "a string".into(),
+            Self::StringOrTable(_) => "a string or a table".into(),
             Self::List(items, low, high) => {
                 let items = wanted(root, items).plural();
                 if low == high { format!("a list of {low} {items}") } else { format!("a list of {items}") }
@@ -223,6 +231,7 @@ impl Wanted<'_> {
         match self {
             Self::Table(_) | Self::Tagged(_) | Self::Named(_) => "tables",
             Self::Choice(_) | Self::String => "strings",
+            Self::StringOrTable(_) => "strings or tables",
             Self::List(..) => "lists",
             Self::Number => "numbers",
             Self::Integer(..) => "integers",

@@ -237,7 +237,7 @@ fn nothing_of_the_schema_is_left_to_the_typed_reader() {
             table.keys().map(|key| walk(root, table.get(key).unwrap(), &format!("{path}.{key}"))).sum()
         };
         1 + match wanted(root, schema) {
-            Wanted::Table(table) => inside(&table),
+            Wanted::Table(table) | Wanted::StringOrTable(table) => inside(&table),
             Wanted::Tagged(branches) => branches.iter().map(|(_, table)| inside(table)).sum::<usize>(),
             Wanted::Named(items) | Wanted::List(items, ..) => walk(root, items, path),
             Wanted::Anything => panic!("{path}: {schema}"),

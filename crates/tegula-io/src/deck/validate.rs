@@ -50,9 +50,11 @@ impl<'s> Validator<'_, 's> {
     fn value(&mut self, schema: &'s Value, value: &Spanned<DeValue<'_>>, place: &Place<'s>) {
         let wanted = wanted(self.schema, schema);
         match (&wanted, value.get_ref()) {
-            (Wanted::Anything, _) | (Wanted::String, DeValue::String(_)) => {}
+            (Wanted::Anything, _) | (Wanted::String | Wanted::StringOrTable(_), DeValue::String(_)) => {}
             (Wanted::Boolean, DeValue::Boolean(_)) => {}
-            (Wanted::Table(table), DeValue::Table(found)) => self.table(*table, None, found, place),
+            (Wanted::Table(table) | Wanted::StringOrTable(table), DeValue::Table(found)) => {
+                self.table(*table, None, found, place);
+            }
             (Wanted::Tagged(branches), DeValue::Table(found)) => self.tagged(branches, found, place),
             (Wanted::Named(items), DeValue::Table(found)) => self.named(items, found, place),
             (Wanted::List(items, low, high), DeValue::Array(found)) => {
@@ -281,7 +283,10 @@ impl<'s> Validator<'_, 's> {
                 _ => place.doc.to_owned(),
             },
             (Wanted::Boolean, _) => "write true or false, without quotes".to_owned(),
-            (Wanted::String, DeValue::Integer(_) | DeValue::Float(_) | DeValue::Boolean(_)) => {
+            (
+                Wanted::String | Wanted::StringOrTable(_),
+                DeValue::Integer(_) | DeValue::Float(_) | DeValue::Boolean(_),
+            ) => {
                 let text = self.source.text().get(place.span.clone()).unwrap_or_default();
                 format!("write it in quotes: \"{}\"", shorten(text))
             }

@@ -1,13 +1,14 @@
 //! Supports, loads, added masses and initial velocities of a model on the nodal vectors of its mesh.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
-use super::adaptive_integrals::{Integral, over_edges, over_elements};
+use super::adaptive_integrals::Integral;
+use super::factors::Factors;
 use super::turning_nodes::TurningNodes;
 use super::{StepModel, Vectors};
 use crate::element::Nodal;
 use crate::element::geometry::{ShellGeometry, nodal_areas, shell_mass, tangents};
-use crate::load::{FollowerLoad, LoadFactor, OwnLoad, PlaceFormula};
+use crate::load::{FollowerLoad, LoadFactor, OwnLoad};
 use crate::mesh::Mesh;
 use crate::model::loads::{Action, LoadedMesh};
 use crate::model::supports::{Constraints, Direction, SupportedNode};
@@ -399,33 +400,41 @@ pub(super) struct Loaded<'a> {
     pub mesh: &'a Mesh,
     pub coordinates: &'a Coordinates,
     /// Factor on the value of the load; `None` where it is 1.
-    distribution: Option<PlaceFormula>,
+    distribution: Option<Factors<'a>>,
+    /// Numbers of quads by their nodes, for fields with a value for each quad.
+    numbers: HashMap<[u32; 4], u32>,
 }
 
 impl<'a> Loaded<'a> {
     /// The mesh as a load sees it, whose distribution was checked.
     pub fn new(load: &Load, mesh: &'a Mesh, coordinates: &'a Coordinates) -> Self {
-        let distribution = load.distribution().and_then(|text| PlaceFormula::read(text).ok());
-        Self { mesh, coordinates, distribution }
+        let distribution = load.distribution().and_then(|distribution| Factors::of(distribution, mesh));
+        let by_quad = distribution.as_ref().is_some_and(|factors| factors.by_quad().is_some());
+        let numbers = if by_quad { mesh.quads.iter().copied().zip(0..).collect() } else { HashMap::new() };
+        Self { mesh, coordinates, distribution, numbers }
     }
 
-    fn factor_at(&self, place: &Vec3) -> f64 {
-        self.distribution.as_ref().map_or(1.0, |formula| formula.value(place))
+    /// Values of a field for each quad; `None` where the factor varies within them.
+    fn by_quad(&self, quads: &[[u32; 4]]) -> Option<Vec<f64>> {
+        let values = self.distribution.as_ref()?.by_quad()?;
+        let value = |quad: &[u32; 4]| values.get(*self.numbers.get(quad)? as usize).copied();
+        Some(quads.iter().map(|quad| value(quad).unwrap_or(f64::NAN)).collect())
     }
 
     /// Integrals over elements with the factor, which has been checked.
     fn weighted(&self, quads: &[[u32; 4]]) -> Vec<Integral<4>> {
-        let places: Vec<[Vec3; 4]> = quads.iter().map(|quad| self.places(quad)).collect();
-        over_elements(&places, |x| self.factor_at(x)).unwrap_or_default()
+        let integrals =
+            self.distribution.as_ref().and_then(|factors| factors.over_elements(self.mesh, quads).ok());
+        integrals.unwrap_or_default()
     }
 
     /// Integrals of both shape functions over edges, times the factor.
     fn shares(&self, edges: &[[u32; 2]]) -> Vec<[f64; 2]> {
-        let ends: Vec<[Vec3; 2]> = edges.iter().map(|edge| self.places(edge)).collect();
-        if self.distribution.is_none() {
-            return ends.iter().map(|[a, b]| [0.5 * (a - b).norm(); 2]).collect();
-        }
-        let parts = over_edges(&ends, |x| self.factor_at(x)).unwrap_or_default();
+        let Some(factors) = &self.distribution else {
+            let ends = edges.iter().map(|edge| self.places(edge));
+            return ends.map(|[a, b]| [0.5 * (a - b).norm(); 2]).collect();
+        };
+        let parts = factors.over_edges(self.mesh, edges).unwrap_or_default();
         parts.iter().map(|part| part.nodal).collect()
     }
 
@@ -463,14 +472,14 @@ impl LoadedMesh for Loaded<'_> {
     }
 
     fn factor(&self, node: u32) -> f64 {
-        self.mesh.positions.get(node as usize).map_or(1.0, |place| self.factor_at(place))
+        self.distribution.as_ref().and_then(|factors| factors.at_node(self.mesh, node)).unwrap_or(1.0)
     }
 
     fn mean_factors(&self, quads: &[[u32; 4]]) -> Vec<f64> {
         if self.distribution.is_none() {
             return vec![1.0; quads.len()];
         }
-        self.weighted(quads).iter().map(Integral::mean).collect()
+        self.by_quad(quads).unwrap_or_else(|| self.weighted(quads).iter().map(Integral::mean).collect())
     }
 
     fn lengths(&self, set: &str) -> BTreeMap<u32, f64> {
@@ -481,9 +490,13 @@ impl LoadedMesh for Loaded<'_> {
 
     fn areas(&self, set: &str) -> BTreeMap<u32, f64> {
         let quads = self.quads(set);
-        let areas: Vec<[f64; 4]> = match &self.distribution {
-            None => quads.iter().map(|quad| nodal_areas(&self.places(quad))).collect(),
-            Some(_) => self.weighted(&quads).iter().map(|part| part.nodal).collect(),
+        let areas: Vec<[f64; 4]> = match (&self.distribution, self.by_quad(&quads)) {
+            (None, _) => quads.iter().map(|quad| nodal_areas(&self.places(quad))).collect(),
+            (_, Some(factors)) => {
+                let areas = quads.iter().map(|quad| nodal_areas(&self.places(quad)));
+                areas.zip(factors).map(|(areas, factor)| areas.map(|area| area * factor)).collect()
+            }
+            (Some(_), None) => self.weighted(&quads).iter().map(|part| part.nodal).collect(),
         };
         summed(quads.into_iter().zip(areas))
     }

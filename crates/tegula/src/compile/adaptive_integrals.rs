@@ -1,4 +1,4 @@
-//! Adaptive integration of a factor of the place over edges and elements.
+//! Adaptive integration of a factor over edges and elements.
 //!
 //! Parts of edges and elements are integrated by the Gauss rule with two points in each direction, and so are their halves or quarters. The parts whose
 //! two values differ most are divided further, so that kinks, jumps and narrow peaks are resolved where they lie, until the sum of the differences
@@ -41,6 +41,17 @@ pub(super) enum WithoutIntegral {
     Divergent(Vec3),
 }
 
+/// Point of an edge or element.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample<const N: usize> {
+    /// Index of the edge or element.
+    pub(super) body: usize,
+    /// Shape functions.
+    pub(super) shapes: [f64; N],
+    /// Position in the reference configuration.
+    pub(super) place: Vec3,
+}
+
 /// Integrals over an edge or element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Integral<const N: usize> {
@@ -52,26 +63,26 @@ pub(super) struct Integral<const N: usize> {
     pub(super) measure: f64,
 }
 
-/// Integrals `∫N_a φ ds` of the shape functions of straight edges times a factor φ of the place.
+/// Integrals `∫N_a φ ds` of the shape functions of straight edges times a factor φ.
 ///
 /// # Errors
 /// The factor is undefined, or an integral does not converge.
 pub(super) fn over_edges(
     edges: &[[Vec3; 2]],
-    factor: impl Fn(&Vec3) -> f64,
+    factor: impl Fn(&Sample<2>) -> f64,
 ) -> Result<Vec<Integral<2>>, WithoutIntegral> {
     let shapes = |[xi]: [f64; 1]| [0.5 * (1.0 - xi), 0.5 * (1.0 + xi)];
     let density = |[a, b]: &[Vec3; 2], _: [f64; 1]| 0.5 * (a - b).norm();
     Integrand { bodies: edges, factor, shapes, density, end: extrapolation() }.integrate()
 }
 
-/// Integrals `∫N_a φ dA₀` of the shape functions of elements times a factor φ of the place.
+/// Integrals `∫N_a φ dA₀` of the shape functions of elements times a factor φ.
 ///
 /// # Errors
 /// The factor is undefined, or an integral does not converge.
 pub(super) fn over_elements(
     elements: &[[Vec3; 4]],
-    factor: impl Fn(&Vec3) -> f64,
+    factor: impl Fn(&Sample<4>) -> f64,
 ) -> Result<Vec<Integral<4>>, WithoutIntegral> {
     let shapes = |[xi, eta]: [f64; 2]| shape(xi, eta);
     let density =
@@ -151,7 +162,7 @@ fn extrapolation() -> [f64; 4] {
     })
 }
 
-/// Factor of the place over edges or elements, with N nodes and D natural coordinates.
+/// Factor over edges or elements, with N nodes and D natural coordinates.
 struct Integrand<'a, F, S, M, const N: usize> {
     bodies: &'a [[Vec3; N]],
     factor: F,
@@ -161,7 +172,7 @@ struct Integrand<'a, F, S, M, const N: usize> {
     end: [f64; 4],
 }
 
-impl<F: Fn(&Vec3) -> f64, S, M, const N: usize> Integrand<'_, F, S, M, N> {
+impl<F: Fn(&Sample<N>) -> f64, S, M, const N: usize> Integrand<'_, F, S, M, N> {
     fn integrate<const D: usize>(&self) -> Result<Vec<Integral<N>>, WithoutIntegral>
     where
         S: Fn([f64; D]) -> [f64; N],
@@ -190,7 +201,8 @@ impl<F: Fn(&Vec3) -> f64, S, M, const N: usize> Integrand<'_, F, S, M, N> {
                     break;
                 }
                 let worst = open.iter().max_by(|a, b| a.difference.total_cmp(&b.difference));
-                let at = worst.map_or(Vec3::zeros(), |worst| self.place(&worst.part, worst.part.centre));
+                let at =
+                    worst.map_or(Vec3::zeros(), |worst| self.sample(&worst.part, worst.part.centre).place);
                 return Err(WithoutIntegral::Divergent(at));
             }
             let parts = std::mem::take(&mut open);
@@ -215,7 +227,7 @@ impl<F: Fn(&Vec3) -> f64, S, M, const N: usize> Integrand<'_, F, S, M, N> {
         for part in parts {
             let divided = self.divided(part);
             if !divided.difference.is_finite() {
-                return Err(WithoutIntegral::Undefined(self.place(&part, part.centre)));
+                return Err(WithoutIntegral::Undefined(self.sample(&part, part.centre).place));
             }
             if divided.difference <= SMALL * scale {
                 done[part.body].merge(&divided.sum);
@@ -241,16 +253,17 @@ impl<F: Fn(&Vec3) -> f64, S, M, const N: usize> Integrand<'_, F, S, M, N> {
         })
     }
 
-    fn place<const D: usize>(&self, part: &Part<D>, at: [f64; D]) -> Vec3
+    fn sample<const D: usize>(&self, part: &Part<D>, at: [f64; D]) -> Sample<N>
     where
         S: Fn([f64; D]) -> [f64; N],
     {
         let shapes = (self.shapes)(at);
-        self.bodies[part.body].iter().zip(shapes).fold(Vec3::zeros(), |sum, (x, n)| sum + x * n)
+        let place = self.bodies[part.body].iter().zip(shapes).fold(Vec3::zeros(), |sum, (x, n)| sum + x * n);
+        Sample { body: part.body, shapes, place }
     }
 
-    /// Factor at a place; NaN where it is undefined or too large.
-    fn value(&self, at: &Vec3) -> f64 {
+    /// Factor at a point; NaN where it is undefined or too large.
+    fn value(&self, at: &Sample<N>) -> f64 {
         let value = (self.factor)(at);
         if value.abs() <= LARGEST { value } else { f64::NAN }
     }
@@ -264,9 +277,10 @@ impl<F: Fn(&Vec3) -> f64, S, M, const N: usize> Integrand<'_, F, S, M, N> {
         let (mut out, mut values) = (Integral::default(), [0.0; 4]);
         for (value, corner) in values.iter_mut().zip(corners()) {
             let at = part.towards(corner, GAUSS);
-            *value = self.value(&self.place(part, at));
+            let sample = self.sample(part, at);
+            *value = self.value(&sample);
             let weight = part.half.powi(D as i32) * (self.density)(&self.bodies[part.body], at);
-            out.add((self.shapes)(at), weight, *value);
+            out.add(sample.shapes, weight, *value);
         }
         (out, values)
     }
@@ -302,7 +316,7 @@ impl<F: Fn(&Vec3) -> f64, S, M, const N: usize> Integrand<'_, F, S, M, N> {
                 |number: usize, i: usize| self.end[if corner[i] > 0.0 { number } else { 3 - number }];
             let weights = |place: usize| (0..D).map(|i| weight((place >> (2 * i)) & 3, i)).product::<f64>();
             let extrapolated: f64 = (0..1 << (2 * D)).map(|place| weights(place) * values[place]).sum();
-            (self.value(&self.place(part, part.towards(corner, 1.0))) - extrapolated).abs()
+            (self.value(&self.sample(part, part.towards(corner, 1.0))) - extrapolated).abs()
         };
         // A factor that is undefined at a corner alone, as sin(x)/x, has an integral.
         corners().map(at_corner).filter(|jump| jump.is_finite()).fold(0.0, larger)
@@ -329,11 +343,11 @@ mod tests {
     }
 
     fn along(factor: impl Fn(f64) -> f64) -> f64 {
-        total(over_edges(&[EDGE], |x| factor(x.x)))
+        total(over_edges(&[EDGE], |at| factor(at.place.x)))
     }
 
     fn over(n: usize, factor: impl Fn(f64, f64) -> f64) -> f64 {
-        total(over_elements(&squares(n), |x| factor(x.x, x.y)))
+        total(over_elements(&squares(n), |at| factor(at.place.x, at.place.y)))
     }
 
     fn near(found: f64, exact: f64, tolerance: f64, what: &str) {
@@ -386,7 +400,9 @@ mod tests {
     #[test]
     #[ignore = "long"]
     fn integrals_of_poles_do_not_converge() {
-        let divergent = |n: usize, factor: &dyn Fn(&Vec3) -> f64| match over_elements(&squares(n), factor) {
+        let divergent = |n: usize, factor: &dyn Fn(&Vec3) -> f64| match over_elements(&squares(n), |at| {
+            factor(&at.place)
+        }) {
             Err(WithoutIntegral::Divergent(at)) => at,
             other => panic!("{:?}", other.map(|parts| parts.len())),
         };
@@ -401,14 +417,14 @@ mod tests {
             let point = Vec3::new(0.11, 0.07, 0.0);
             assert!((divergent(n, &|x| 1.0 / (point - x).norm_squared()) - point).norm() < 1e-3, "{n}");
         }
-        let along = over_edges(&[EDGE], |x| 1.0 / (x.x - 0.1));
+        let along = over_edges(&[EDGE], |at| 1.0 / (at.place.x - 0.1));
         assert!(
             matches!(along, Err(WithoutIntegral::Divergent(at)) if (at.x - 0.1).abs() < 1e-3),
             "{along:?}"
         );
-        let undefined = over_edges(&[EDGE], |x| (x.x - 0.1).sqrt());
+        let undefined = over_edges(&[EDGE], |at| (at.place.x - 0.1).sqrt());
         assert!(matches!(undefined, Err(WithoutIntegral::Undefined(_))), "{undefined:?}");
-        let huge = over_edges(&[EDGE], |x| 1e200 * x.x);
+        let huge = over_edges(&[EDGE], |at| 1e200 * at.place.x);
         assert!(matches!(huge, Err(WithoutIntegral::Undefined(_))), "{huge:?}");
     }
 

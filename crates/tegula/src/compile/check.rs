@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 pub use super::check_material::issues as material;
+use super::distributions::wrong_formula;
 use super::{amplitudes, check_material, steps};
 use crate::checker::Checker;
-use crate::load::PlaceFormula;
 use crate::mesh::Mesh;
 use crate::model::loads::LoadedPart;
 use crate::model::{
@@ -78,7 +78,7 @@ fn keys_of(model: &Model, joints: &[Joint], continues: bool) -> Vec<Issue> {
     for (i, load) in model.loads.iter().enumerate() {
         let key = format!("loads[{i}]");
         c.finite(&format!("{key}.value"), "the load", load.values());
-        if let Some(Err((problem, help))) = load.distribution().map(|text| PlaceFormula::read(text)) {
+        if let Some((problem, help)) = load.distribution().and_then(wrong_formula) {
             c.add(format!("{key}.distribution"), problem, help);
         }
         c.amplitude(model, &key, load.amplitude());
@@ -199,9 +199,9 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
     loads_of(model, mesh, &mut c);
     for (i, p) in model.prescribed_strains.iter().enumerate() {
         drop(c.set(mesh, format!("prescribed_strains[{i}].on"), p.on(), "quads", Mesh::quads_on));
-        if let Some(text) = p.distribution() {
+        if let Some(distribution) = p.distribution() {
             let key = format!("prescribed_strains[{i}].distribution");
-            c.distribution(mesh, &key, (text, p.on(), LoadedPart::Quads));
+            c.distribution(mesh, &key, (distribution, p.on(), LoadedPart::Quads));
         }
     }
     for (i, mass) in model.masses.iter().enumerate() {
@@ -231,7 +231,7 @@ fn sections_of(model: &Model, mesh: &Mesh, c: &mut Checker) {
         let quads = c.set(mesh, key.clone(), &s.on, "quads", Mesh::quads_on);
         match &s.thickness_distribution {
             None => c.thickness(mesh, &format!("sections[{i}].thickness"), s.whole_thickness(), &quads),
-            Some(text) => c.thickness_distribution(mesh, (i, s, text), &quads),
+            Some(distribution) => c.thickness_distribution(mesh, (i, s, distribution), &quads),
         }
         for q in quads {
             if let Some(other) = section_of.insert(q, i) {
@@ -280,12 +280,12 @@ fn loads_of(model: &Model, mesh: &Mesh, c: &mut Checker) {
             LoadedPart::Quads => drop(c.set(mesh, key, load.on(), "quads", Mesh::quads_on)),
             LoadedPart::Model => {}
         }
-        let Some(text) = load.distribution() else { continue };
+        let Some(distribution) = load.distribution() else { continue };
         let key = format!("loads[{i}].distribution");
         if model.bodies.iter().any(|body| body.name == load.on()) {
             c.add(key, "a load on a body acts in one point", "leave the distribution out");
         } else {
-            c.distribution(mesh, &key, (text, load.on(), load.part()));
+            c.distribution(mesh, &key, (distribution, load.on(), load.part()));
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Checks of sections: missing values, layups, and materials that an element type cannot take.
 
+use super::distributions::wrong_formula;
 use crate::checker::Checker;
 use crate::element::registry;
-use crate::load::PlaceFormula;
 use crate::mesh::Mesh;
 use crate::model::{Analysis, Material, Membrane, Model, PrescribedStrain, Section};
 
@@ -19,9 +19,7 @@ pub(super) fn sections(model: &Model, c: &mut Checker) {
             "the coefficient of stabilised shear",
             s.shear_stabilization,
         );
-        if let Some(Err((problem, help))) =
-            s.thickness_distribution.as_ref().map(|text| PlaceFormula::read(text))
-        {
+        if let Some((problem, help)) = s.thickness_distribution.as_ref().and_then(wrong_formula) {
             c.add(format!("{key}.thickness_distribution"), problem, help);
         }
         if let Some(m) = s.total_mass {
@@ -259,7 +257,7 @@ fn prescribed(model: &Model, p: &PrescribedStrain, key: &str, c: &mut Checker) {
     if p.direction().is_some_and(|d| !d.iter().map(|x| x * x).sum::<f64>().is_normal()) {
         c.add(format!("{key}.direction"), "the direction vanishes", "give a vector such as [1, 0, 0]");
     }
-    if let Some(Err((problem, help))) = p.distribution().map(|text| PlaceFormula::read(text)) {
+    if let Some((problem, help)) = p.distribution().and_then(wrong_formula) {
         c.add(format!("{key}.distribution"), problem, help);
     }
     let amplitude = p.amplitude().cloned();

@@ -1,20 +1,23 @@
-//! Checks of the distributions of loads and prescribed strains: formulas in the coordinates that multiply their values.
+//! Checks of the distributions of loads, prescribed strains and thicknesses: formulas in the coordinates, and fields of the mesh.
 
 use super::adaptive_integrals::{WithoutIntegral, over_edges, over_elements};
-use super::sections::means;
+use super::factors::{Factors, means};
 use crate::Vec3;
 use crate::checker::Checker;
 use crate::load::PlaceFormula;
-use crate::mesh::{Mesh, show};
+use crate::mesh::{FieldValues, Mesh, show};
 use crate::model::loads::LoadedPart;
-use crate::model::{ElementKind, Section};
+use crate::model::{Distribution, ElementKind, Section};
+
+/// Largest absolute value of a field.
+const LARGEST: f64 = 1e100;
 
 impl Checker {
     /// Reports a distribution of the thickness of a section that has no mean above 0 in an element.
     pub(super) fn thickness_distribution(
         &mut self,
         mesh: &Mesh,
-        (number, section, text): (usize, &Section, &String),
+        (number, section, distribution): (usize, &Section, &Distribution),
         quads: &[u32],
     ) {
         let key = format!("sections[{number}].thickness_distribution");
@@ -28,24 +31,24 @@ impl Checker {
             return;
         }
         let before = self.issues.len();
-        self.distribution(mesh, &key, (text, &section.on, LoadedPart::Quads));
+        self.distribution(mesh, &key, (distribution, &section.on, LoadedPart::Quads));
         if self.issues.len() > before {
             return;
         }
-        let help = "give a formula that is above 0 on the whole set";
-        let nodes = PlaceFormula::read(text).ok().zip(mesh.nodes_on(&section.on));
-        let place = |node: u32| mesh.positions[node as usize];
-        if let Some((formula, nodes)) = nodes
-            && let Some(node) = nodes.into_iter().find(|&node| formula.value(&place(node)) < 0.0)
-        {
-            let (value, at) = (formula.value(&place(node)), show(place(node)));
+        let help = "give a distribution that is above 0 on the whole set";
+        let factors = Factors::of(distribution, mesh);
+        let value = |node: u32| factors.as_ref().and_then(|factors| factors.at_node(mesh, node));
+        let negative = |node: &u32| value(*node).is_some_and(|value| value < 0.0);
+        if let Some(node) = mesh.nodes_on(&section.on).into_iter().flatten().find(negative) {
             let message = format!(
-                "the distribution is {value:.3e} at node {} at {at}: no thickness is below 0",
-                mesh.node_label(node)
+                "the distribution is {:.3e} at node {} at {}: no thickness is below 0",
+                value(node).unwrap_or_default(),
+                mesh.node_label(node),
+                show(mesh.positions[node as usize])
             );
             return self.add(key, message, help);
         }
-        let means = means(Some(text), mesh, quads);
+        let means = means(Some(distribution), mesh, quads);
         let thin = quads
             .iter()
             .zip(means)
@@ -67,8 +70,17 @@ impl Checker {
         &mut self,
         mesh: &Mesh,
         key: &str,
-        (text, on, part): (&str, &str, LoadedPart),
+        (distribution, on, part): (&Distribution, &str, LoadedPart),
     ) {
+        let text = match distribution {
+            Distribution::Formula(text) => text,
+            Distribution::Field(name) => {
+                if let Some((message, help)) = unusable_field(mesh, &name.field, (on, part)) {
+                    self.add(format!("{key}.field"), message, help);
+                }
+                return;
+            }
+        };
         let Ok(formula) = PlaceFormula::read(text) else { return };
         match without_integral(mesh, (on, part), &formula) {
             None => {}
@@ -85,6 +97,42 @@ impl Checker {
                 format!("the integral of the distribution does not converge at {}", show(place)),
                 "look for a division by a number that becomes 0 there, and for features that are far smaller than the elements",
             ),
+        }
+    }
+}
+
+/// Mistake in the formula of a distribution, and remedy.
+pub(super) fn wrong_formula(distribution: &Distribution) -> Option<(String, String)> {
+    match distribution {
+        Distribution::Formula(text) => PlaceFormula::read(text).err(),
+        Distribution::Field(_) => None,
+    }
+}
+
+/// Reason why a field cannot be the distribution on a set, and remedy.
+fn unusable_field(mesh: &Mesh, name: &str, (on, part): (&str, LoadedPart)) -> Option<(String, String)> {
+    let is_number = |value: Option<&f64>| value.is_some_and(|value| value.abs() <= LARGEST);
+    let without = |what: &str, label: u64| {
+        let message = format!("the field \"{name}\" has no number below 1e100 at {what} {label}");
+        (message, "give a number there, or a set without it".to_owned())
+    };
+    match mesh.field(name) {
+        Err(mistake) => Some(mistake),
+        Ok(FieldValues::Nodes(values)) => {
+            let nodes = mesh.nodes_on(on).into_iter().flatten();
+            let wrong = nodes.into_iter().find(|&node| !is_number(values.get(node as usize)));
+            wrong.map(|node| without("node", mesh.node_label(node)))
+        }
+        Ok(FieldValues::Quads(_)) if part != LoadedPart::Quads => Some((
+            format!(
+                "the field \"{name}\" has a value for each cell, and nodes and edges need one for each point"
+            ),
+            "average it to the points, in ParaView by the filter \"Cell Data to Point Data\"".into(),
+        )),
+        Ok(FieldValues::Quads(values)) => {
+            let quads = mesh.quads_on(on).into_iter().flatten();
+            let wrong = quads.into_iter().find(|&quad| !is_number(values.get(quad as usize)));
+            wrong.map(|quad| without("element", mesh.quad_label(quad as usize)))
         }
     }
 }
@@ -118,5 +166,7 @@ fn without_integral(
     if let Some(at) = lines.find_map(|ends| formula.pole(ends).filter(without_value)) {
         return Some(WithoutIntegral::Undefined(at));
     }
-    over_edges(&edges, value).err().or_else(|| over_elements(&elements, value).err())
+    over_edges(&edges, |at| value(&at.place))
+        .err()
+        .or_else(|| over_elements(&elements, |at| value(&at.place)).err())
 }

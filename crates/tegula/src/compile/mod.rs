@@ -19,6 +19,7 @@ mod congruence;
 mod couplings;
 mod cuts;
 mod distributions;
+mod factors;
 mod force_sets;
 mod foundations;
 mod guided_axes;

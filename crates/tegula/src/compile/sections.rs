@@ -3,14 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::Vectors;
-use super::adaptive_integrals::{Integral, over_elements};
 use super::congruence::{Congruence, Match};
+use super::factors::means;
 use crate::element::generalized_law::LinearLaw;
 use crate::element::geometry::cross_section_frame;
 use crate::element::quadratic::Members;
 use crate::element::shell::{GroupSetup, Member, ShellElement};
 use crate::element::{ElementGroup, QuadraticGroup, ShellGeometry, director_angle, registry};
-use crate::load::PlaceFormula;
 use crate::material::{Law, OwnLaw};
 use crate::mesh::Mesh;
 use crate::mesh::directors::Directors;
@@ -291,17 +290,6 @@ fn factors(strain: &PrescribedStrain, mesh: &Mesh) -> BTreeMap<u32, f64> {
     let quads = mesh.quads_on(strain.on()).unwrap_or_default();
     let factors = means(strain.distribution(), mesh, &quads);
     quads.into_iter().zip(factors).collect()
-}
-
-/// Means over elements of a distribution, which has been checked; 1 without one.
-pub(super) fn means(distribution: Option<&String>, mesh: &Mesh, quads: &[u32]) -> Vec<f64> {
-    let Some(formula) = distribution.and_then(|text| PlaceFormula::read(text).ok()) else {
-        return vec![1.0; quads.len()];
-    };
-    let corners = |quad: &u32| mesh.quads[*quad as usize].map(|node| mesh.positions[node as usize]);
-    let elements: Vec<[Vec3; 4]> = quads.iter().map(corners).collect();
-    let integrals = over_elements(&elements, |place| formula.value(place)).unwrap_or_default();
-    integrals.iter().map(Integral::mean).collect()
 }
 
 /// A section of the model in all thicknesses that its elements have.

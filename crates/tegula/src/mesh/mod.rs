@@ -11,6 +11,7 @@ mod arrays;
 pub mod directors;
 mod elements;
 mod facet;
+mod fields;
 pub mod folds;
 pub mod generators;
 mod grid;
@@ -28,6 +29,7 @@ mod topology;
 use std::collections::BTreeMap;
 
 pub(crate) use facet::show;
+pub use fields::{FieldValues, Fields};
 pub(crate) use grid::Random;
 pub use labels::Labels;
 
@@ -53,4 +55,6 @@ pub struct Mesh {
     pub quad_sets: BTreeMap<String, Vec<u32>>,
     /// Numbers of nodes and quads in the file that the mesh was read from; a generated mesh has none.
     pub labels: Option<Labels>,
+    /// Arrays of the file that the mesh was read from.
+    pub fields: Fields,
 }

@@ -174,6 +174,7 @@ impl Mesh {
         if let Some(labels) = &mut self.labels {
             keep(&mut labels.nodes, kept);
         }
+        self.fields.nodes.values_mut().for_each(|values| keep(values, kept));
         self.quads.iter_mut().flatten().for_each(|n| *n = new(*n));
         self.edge_sets.values_mut().flatten().flatten().for_each(|n| *n = new(*n));
         let mut last_set = vec![u32::MAX; self.positions.len()];

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Distribution;
+
 /// A condition that needs nothing but a set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -103,9 +105,10 @@ pub struct VectorLoad {
     pub on: String,
     /// The load as a vector `[x, y, z]` in global axes: force, moment, or either per length or area.
     pub value: [f64; 3],
-    /// Factor on the value in each place: a formula in the coordinates `x`, `y` and `z` of the reference configuration, such as `"1 - z/2"`.
+    /// Factor on the value in each place: a formula in the coordinates `x`, `y` and `z` of the reference configuration, such as `"1 - z/2"`, or an array
+    /// of the mesh file, such as `{ field = "p" }`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub distribution: Option<String>,
+    pub distribution: Option<Distribution>,
     /// Name of an amplitude; without one the load grows with the load factor in statics and is constant in transients.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<String>,
@@ -127,9 +130,10 @@ pub struct PressureLoad {
     pub on: String,
     /// Pressure [force/area]; positive pushes against the director.
     pub value: f64,
-    /// Factor on the value in each place: a formula in the coordinates `x`, `y` and `z` of the reference configuration, such as `"1 - z/2"`.
+    /// Factor on the value in each place: a formula in the coordinates `x`, `y` and `z` of the reference configuration, such as `"1 - z/2"`, or an array
+    /// of the mesh file, such as `{ field = "p" }`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub distribution: Option<String>,
+    pub distribution: Option<Distribution>,
     /// Name of an amplitude.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<String>,

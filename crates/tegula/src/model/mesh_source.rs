@@ -32,6 +32,7 @@ macro_rules! mesh_readers {
             gmsh::Gmsh: "A Gmsh file (`.msh`, format 2.2 or 4.1, ASCII or binary); physical groups become sets.",
             abaqus::Abaqus: "An input file of Abaqus or CalculiX (`.inp`) with shells of four nodes; node and element sets become sets.",
             nastran::Nastran: "A bulk data file of Nastran (`.bdf`, `.nas`) with shells of four nodes; properties, supports and loads have sets.",
+            vtu::Vtu: "A VTU file (`.vtu`) of VTK, ParaView or meshio with quadrilaterals; integer arrays become sets, numbers fields.",
         }
     };
 }

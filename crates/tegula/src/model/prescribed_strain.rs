@@ -5,6 +5,8 @@ use std::borrow::Cow;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Distribution;
+
 /// A strain that the material takes on without stress, or a stress that acts at the reference.
 ///
 /// Prescribed strains grow with the load factor in statics and are constant in transients unless they have an
@@ -33,9 +35,10 @@ pub struct ThermalStrain {
     /// Gradient T′ along the director [temperature/length].
     #[serde(default)]
     pub gradient: f64,
-    /// Factor on the values in each element: the mean over it of a formula in the coordinates `x`, `y` and `z` of the reference configuration.
+    /// Factor on the values in each element: the mean over it of a formula in the coordinates `x`, `y` and `z` of the reference configuration, or of an
+    /// array of the mesh file, such as `{ field = "T" }`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub distribution: Option<String>,
+    pub distribution: Option<Distribution>,
     /// Name of an amplitude.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<String>,
@@ -58,9 +61,10 @@ pub struct NaturalStrain {
     #[serde(default = "x_axis")]
     #[schemars(extend("x-marker" = "direction"))]
     pub direction: [f64; 3],
-    /// Factor on the values in each element: the mean over it of a formula in the coordinates `x`, `y` and `z` of the reference configuration.
+    /// Factor on the values in each element: the mean over it of a formula in the coordinates `x`, `y` and `z` of the reference configuration, or of an
+    /// array of the mesh file, such as `{ field = "T" }`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub distribution: Option<String>,
+    pub distribution: Option<Distribution>,
     /// Name of an amplitude.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<String>,
@@ -83,9 +87,10 @@ pub struct Prestress {
     #[serde(default = "x_axis")]
     #[schemars(extend("x-marker" = "direction"))]
     pub direction: [f64; 3],
-    /// Factor on the values in each element: the mean over it of a formula in the coordinates `x`, `y` and `z` of the reference configuration.
+    /// Factor on the values in each element: the mean over it of a formula in the coordinates `x`, `y` and `z` of the reference configuration, or of an
+    /// array of the mesh file, such as `{ field = "T" }`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub distribution: Option<String>,
+    pub distribution: Option<Distribution>,
     /// Name of an amplitude.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub amplitude: Option<String>,
@@ -110,8 +115,8 @@ impl PrescribedStrain {
         }
     }
 
-    /// Its formula of the place.
-    pub fn distribution(&self) -> Option<&String> {
+    /// Factor on its values over the surface.
+    pub fn distribution(&self) -> Option<&Distribution> {
         match self {
             Self::Thermal(s) => s.distribution.as_ref(),
             Self::Natural(s) => s.distribution.as_ref(),

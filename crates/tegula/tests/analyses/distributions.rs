@@ -203,7 +203,7 @@ fn a_pressure_with_the_distribution_one_is_the_pressure() {
         mesh.positions[3].z = 1.0;
         mesh
     };
-    let total = |distribution: Option<String>| {
+    let total = |distribution: Option<Distribution>| {
         let mut m = common::model(plate([1.0, 1.0], [1, 1], 0.0), 1.0, 0.1);
         let keys = PressureLoad { on: "all".into(), value: 1.0, distribution, amplitude: None };
         m.loads = vec![Load::Pressure(keys)];

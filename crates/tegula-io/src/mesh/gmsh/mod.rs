@@ -8,12 +8,14 @@
 //! | physical surface | a quad set; a group of negative sign turns its quads around |
 //! | physical curve | an edge set |
 //! | physical point | a node set |
+//! | view `$NodeData`, `$ElementData` of one component | a field |
 //!
 //! A group without a name is called by its number. Nodes are ordered by their Gmsh number, quads as
 //! in the file; nodes of no quad are dropped. The mesh keeps the numbers of the file as labels. Everything that cannot be computed (triangles, elements
 //! of higher order, solids) is refused with the command that repairs it. Format:
 //! <https://gmsh.info/doc/texinfo/gmsh.html#Gmsh-file-formats>.
 
+mod data;
 mod gather;
 mod hexahedra;
 mod raw;
@@ -62,7 +64,7 @@ pub fn parse(path: &Path, bytes: &[u8], scale: f64) -> Result<Mesh, MeshError> {
         return Err(scanner.whole("the mesh file is empty", "save the mesh again in Gmsh (File > Save Mesh)"));
     }
     let format = header(&mut scanner)?;
-    let mut raw = Raw::default();
+    let (mut raw, mut views) = (Raw::default(), Vec::new());
     loop {
         let place = scanner.position();
         let Some(section) = scanner.next_section()? else { break };
@@ -80,6 +82,7 @@ pub fn parse(path: &Path, bytes: &[u8], scale: f64) -> Result<Mesh, MeshError> {
             ("Entities", Format::Four) => v4::entities(&mut scanner, &mut raw)?,
             ("Nodes", Format::Four) => v4::nodes(&mut scanner, &mut raw)?,
             ("Elements", Format::Four) => v4::elements(&mut scanner, &mut raw)?,
+            ("NodeData" | "ElementData", _) => views.push(data::view(&mut scanner, section == "ElementData")?),
             ("PartitionedEntities", _) => {
                 return Err(scanner.error(
                     place,
@@ -94,7 +97,9 @@ pub fn parse(path: &Path, bytes: &[u8], scale: f64) -> Result<Mesh, MeshError> {
         }
         scanner.end_section(section)?;
     }
-    gather::mesh(&scanner, raw, scale)
+    let mut mesh = gather::mesh(&scanner, raw, scale)?;
+    data::add_fields(&mut mesh, views);
+    Ok(mesh)
 }
 
 /// The families of formats that differ in their sections.

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
+use tegula::mesh::FieldValues;
 use tegula::{Mesh, Vec3};
 
 use super::{parse, read};
@@ -502,4 +503,28 @@ fn the_thin_direction_of_a_single_hexahedron_is_its_thickness() {
         assert!(mesh.positions.iter().all(|p| (p[thin] - 0.05).abs() < 1e-15));
         assert!(mesh.normals.as_ref().unwrap()[0][0][thin] > 0.5, "from the first face to the second");
     }
+}
+
+#[test]
+fn views_become_fields() {
+    for name in ["views-2-ascii.msh", "views-2-binary.msh", "views-4-ascii.msh", "views-4-binary.msh"] {
+        let mesh = load(name);
+        assert_eq!((mesh.positions.len(), mesh.quads.len()), (6, 2), "{name}");
+        // The last of two time steps.
+        let expected: Vec<f64> = mesh.positions.iter().map(|x| 1.0 + x.x / 2.0 + x.y / 4.0).collect();
+        assert_eq!(mesh.field("t").unwrap(), FieldValues::Nodes(&expected), "{name}");
+        let FieldValues::Quads(p) = mesh.field("p").unwrap() else { panic!("{name}") };
+        assert!((0..2).all(|q| p[q] == mesh.quad_label(q) as f64), "{name}: {p:?}");
+        assert_eq!(mesh.fields.vectors["u"], 3, "{name}");
+    }
+    let view = |rows: &str| {
+        square(&[]) + &format!("$NodeData\n1\n\"t\"\n1\n0.0\n3\n0\n1\n{rows}\n$EndNodeData\n")
+    };
+    let mesh = parse(Path::new("m.msh"), view("2\n10 1.5\n40 2").as_bytes(), 1.0).unwrap();
+    let FieldValues::Nodes(t) = mesh.field("t").unwrap() else { panic!("elements") };
+    assert!((t[0], t[3]) == (1.5, 2.0) && t[1].is_nan() && t[2].is_nan(), "{t:?}");
+    assert!(error(&view("3\n10 1.5\n40 2")).contains("expected the number of a node or element of a view"));
+    assert!(error(&view("1\n10 1.5\n40 2")).contains("expected $EndNodeData"));
+    assert!(error(&view("99999999999999\n10 x")).contains("expected a value of a view, found \"x\""));
+    assert!(error(&view("2\n10 1.5\n40 2").replace("3\n0\n1\n2", "1\n0")).contains("no number of components"));
 }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{CentrifugalLoad, GravityLoad, PressureLoad, VectorLoad};
+use super::{CentrifugalLoad, Distribution, GravityLoad, PressureLoad, VectorLoad};
 use crate::{Mat3, Vec3};
 
 /// Load stiffness: blocks `−∂f_a/∂x_b` of a follower load.
@@ -127,8 +127,8 @@ pub trait LoadKeys {
     fn on(&self) -> &str;
     /// Values, which have to be finite; a load all of whose values are 0 does nothing.
     fn values(&self) -> &[f64];
-    /// Factor on the value in each place, a formula in the coordinates.
-    fn distribution(&self) -> Option<&String> {
+    /// Factor on the value in each place.
+    fn distribution(&self) -> Option<&Distribution> {
         None
     }
     /// Name of the amplitude.
@@ -164,8 +164,8 @@ impl Load {
         self.keys().amplitude()
     }
 
-    /// Factor on the values in each place, a formula in the coordinates; `None` where it is 1.
-    pub fn distribution(&self) -> Option<&String> {
+    /// Factor on the values in each place; `None` where it is 1.
+    pub fn distribution(&self) -> Option<&Distribution> {
         self.keys().distribution()
     }
 
@@ -191,7 +191,7 @@ impl LoadKeys for VectorLoad {
         &self.value
     }
 
-    fn distribution(&self) -> Option<&String> {
+    fn distribution(&self) -> Option<&Distribution> {
         self.distribution.as_ref()
     }
 

@@ -1,7 +1,7 @@
 //! Pressure that follows the surface; positive pushes against the director.
 
 use super::{Action, LoadKeys, LoadKind, LoadedMesh, LoadedPart};
-use crate::model::PressureLoad;
+use crate::model::{Distribution, PressureLoad};
 
 /// Pressure that follows the surface; positive pushes against the director.
 pub struct Pressure;
@@ -32,7 +32,7 @@ impl LoadKeys for PressureLoad {
         std::slice::from_ref(&self.value)
     }
 
-    fn distribution(&self) -> Option<&String> {
+    fn distribution(&self) -> Option<&Distribution> {
         self.distribution.as_ref()
     }
 

@@ -7,7 +7,7 @@ mod stacking;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{ElementKind, Membrane, all, yes};
+use super::{Distribution, ElementKind, Membrane, all, yes};
 use crate::checker::is_zero;
 use crate::error::Issue;
 pub use layup::{LayupPly, StackedPly};
@@ -88,9 +88,9 @@ macro_rules! sections {
             #[schemars(extend("exclusiveMinimum" = 0))]
             pub thickness: f64,
             /// Factor on the thickness of all layers in each element: the mean over it of a formula in the coordinates `x`, `y` and `z` of the
-            /// reference configuration; above 0. Not for `ancf-full`.
+            /// reference configuration, or of an array of the mesh file, such as `{ field = "t" }`; above 0. Not for `ancf-full`.
             #[serde(default, skip_serializing_if = "Option::is_none")]
-            pub thickness_distribution: Option<String>,
+            pub thickness_distribution: Option<Distribution>,
             $(
                 #[doc = $help]
                 #[serde(default, skip_serializing_if = "Option::is_none")]
