@@ -79,7 +79,7 @@ fn a_cantilever_of_beams_bends_as_elliptic_integrals_say() {
     multipliers.for_each(|(a, b)| assert!((a - b).abs() < 1e-7, "{a} {b}"));
 }
 
-/// The same beam in space, clamped twice: the reactions are shared, the path is the same, and a warning tells of it.
+/// Two clamps of one beam in space: the reactions are shared, the path is the same, and a warning tells of it.
 #[test]
 fn redundant_joints_share_their_reactions_on_a_path() {
     let beam = slender("arm", [[0.0; 3], [1.0, 0.0, 0.0]], 8, [1.0, 0.5]);

@@ -28,7 +28,7 @@ fn dashpot(damping: f64) -> Model {
     model
 }
 
-/// The same for a wheel on a hinge, with torsional dampers of a torsion spring and of a bushing that share a moment of 1.
+/// Wheel on a hinge, with torsional dampers of a torsion spring and of a bushing that share a moment of 1.
 fn wheel(damping: f64) -> Model {
     let hinge = revolute("hinge", "ground", "wheel", [0.0; 3], [0.0, 0.0, 1.0]);
     let wheel = body("wheel", [0.0; 3], 2.0, Some([0.5, 0.5, 1.0]));

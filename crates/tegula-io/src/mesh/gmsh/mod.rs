@@ -82,7 +82,9 @@ pub fn parse(path: &Path, bytes: &[u8], scale: f64) -> Result<Mesh, MeshError> {
             ("Entities", Format::Four) => v4::entities(&mut scanner, &mut raw)?,
             ("Nodes", Format::Four) => v4::nodes(&mut scanner, &mut raw)?,
             ("Elements", Format::Four) => v4::elements(&mut scanner, &mut raw)?,
-            ("NodeData" | "ElementData", _) => views.push(data::view(&mut scanner, section == "ElementData")?),
+            ("NodeData" | "ElementData", _) => {
+                views.push(data::view(&mut scanner, section == "ElementData")?)
+            }
             ("PartitionedEntities", _) => {
                 return Err(scanner.error(
                     place,

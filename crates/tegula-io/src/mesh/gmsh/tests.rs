@@ -517,14 +517,15 @@ fn views_become_fields() {
         assert!((0..2).all(|q| p[q] == mesh.quad_label(q) as f64), "{name}: {p:?}");
         assert_eq!(mesh.fields.vectors["u"], 3, "{name}");
     }
-    let view = |rows: &str| {
-        square(&[]) + &format!("$NodeData\n1\n\"t\"\n1\n0.0\n3\n0\n1\n{rows}\n$EndNodeData\n")
-    };
+    let view =
+        |rows: &str| square(&[]) + &format!("$NodeData\n1\n\"t\"\n1\n0.0\n3\n0\n1\n{rows}\n$EndNodeData\n");
     let mesh = parse(Path::new("m.msh"), view("2\n10 1.5\n40 2").as_bytes(), 1.0).unwrap();
     let FieldValues::Nodes(t) = mesh.field("t").unwrap() else { panic!("elements") };
     assert!((t[0], t[3]) == (1.5, 2.0) && t[1].is_nan() && t[2].is_nan(), "{t:?}");
     assert!(error(&view("3\n10 1.5\n40 2")).contains("expected the number of a node or element of a view"));
     assert!(error(&view("1\n10 1.5\n40 2")).contains("expected $EndNodeData"));
     assert!(error(&view("99999999999999\n10 x")).contains("expected a value of a view, found \"x\""));
-    assert!(error(&view("2\n10 1.5\n40 2").replace("3\n0\n1\n2", "1\n0")).contains("no number of components"));
+    assert!(
+        error(&view("2\n10 1.5\n40 2").replace("3\n0\n1\n2", "1\n0")).contains("no number of components")
+    );
 }

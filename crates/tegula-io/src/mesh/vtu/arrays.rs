@@ -64,8 +64,7 @@ impl Source<'_> {
         let failed =
             |problem: String| Fault::damaged(format!("the array \"{name}\" {problem}")).at_line(line(array));
         let kind = array.attribute("type").unwrap_or_default();
-        let kind =
-            Kind::named(kind).ok_or_else(|| failed(format!("has numbers of the type \"{kind}\"")))?;
+        let kind = Kind::named(kind).ok_or_else(|| failed(format!("has numbers of the type \"{kind}\"")))?;
         let components = components(array);
         let count = tuples.checked_mul(components).ok_or_else(|| failed("is too long".into()))?;
         match array.attribute("format") {
@@ -97,7 +96,9 @@ impl Source<'_> {
             Kind::Float(4) => {
                 Numbers::Real(bytes.as_chunks().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))).collect())
             }
-            Kind::Float(_) => Numbers::Real(bytes.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect()),
+            Kind::Float(_) => {
+                Numbers::Real(bytes.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect())
+            }
             Kind::Signed(_) => {
                 let signed = |b: &[u8]| {
                     let shift = 64 - 8 * size as u32;
@@ -106,7 +107,8 @@ impl Source<'_> {
                 Numbers::Whole(bytes.chunks_exact(size).map(signed).collect())
             }
             Kind::Unsigned(_) => {
-                let whole = |b: &[u8]| i64::try_from(unsigned(b)).map_err(|_| "has a number above 2^63".to_owned());
+                let whole =
+                    |b: &[u8]| i64::try_from(unsigned(b)).map_err(|_| "has a number above 2^63".to_owned());
                 Numbers::Whole(bytes.chunks_exact(size).map(whole).collect::<Result<_, _>>()?)
             }
         })

@@ -25,9 +25,10 @@ pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, Fault> {
         return Ok(Parts { text: Cow::Borrowed(text(bytes)?), appended: None });
     };
     let (head, rest) = bytes.split_at(at);
-    let end = rest.iter().position(|&c| c == b'>').ok_or_else(|| {
-        Fault::damaged("the section `AppendedData` has no end")
-    })?;
+    let end = rest
+        .iter()
+        .position(|&c| c == b'>')
+        .ok_or_else(|| Fault::damaged("the section `AppendedData` has no end"))?;
     let (tag, data) = rest.split_at(end + 1);
     let tag = format!("{}</AppendedData>", text(tag)?);
     let encoding = Document::parse(&tag).map_err(|_| Fault::damaged("the tag `AppendedData` is damaged"))?;
@@ -40,9 +41,10 @@ pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, Fault> {
             return Err(Fault::damaged(message));
         }
     };
-    let data = data.trim_ascii_start().strip_prefix(b"_").ok_or_else(|| {
-        Fault::damaged("the section `AppendedData` does not begin with an underscore")
-    })?;
+    let data = data
+        .trim_ascii_start()
+        .strip_prefix(b"_")
+        .ok_or_else(|| Fault::damaged("the section `AppendedData` does not begin with an underscore"))?;
     let data = if base64 { data.split(|&c| c == b'<').next().unwrap_or_default() } else { data };
     Ok(Parts {
         text: Cow::Owned(format!("{}</VTKFile>", text(head)?)),
@@ -52,7 +54,10 @@ pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, Fault> {
 
 fn text(bytes: &[u8]) -> Result<&str, Fault> {
     std::str::from_utf8(bytes).map_err(|_| {
-        Fault::new("this is no VTU file: it is not XML in UTF-8", "write the mesh as a VTU file, VTK's XML format of unstructured grids")
+        Fault::new(
+            "this is no VTU file: it is not XML in UTF-8",
+            "write the mesh as a VTU file, VTK's XML format of unstructured grids",
+        )
     })
 }
 
@@ -77,7 +82,10 @@ pub(super) fn root<'a, 'input>(
         }
         other => {
             return Err(Fault::new(
-                format!("the file holds data of the type \"{}\", not an unstructured grid", other.unwrap_or("")),
+                format!(
+                    "the file holds data of the type \"{}\", not an unstructured grid",
+                    other.unwrap_or("")
+                ),
                 "save it as an unstructured grid (`.vtu`), in ParaView behind the filter \"Append Datasets\"",
             ));
         }

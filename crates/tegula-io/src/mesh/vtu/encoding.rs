@@ -50,7 +50,8 @@ impl Stream<'_> {
         while out.len() < wanted {
             let most = (wanted - out.len()).div_ceil(3).saturating_mul(4).min(rest.len());
             let padding = rest[..most].iter().position(|&c| c == b'=');
-            let (now, later) = rest.split_at_checked(padding.map_or(most, |at| (at / 4 + 1) * 4)).ok_or(SHORT)?;
+            let (now, later) =
+                rest.split_at_checked(padding.map_or(most, |at| (at / 4 + 1) * 4)).ok_or(SHORT)?;
             if now.is_empty() {
                 return Err(SHORT.into());
             }

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use tegula::mesh::{Fields, Labels};
 use tegula::mesh::sets::RENAME_ALL;
+use tegula::mesh::{Fields, Labels};
 use tegula::{Mesh, Vec3};
 
 use super::Fault;
@@ -19,7 +19,8 @@ pub(super) fn mesh(grid: &Grid, file: String, scale: f64) -> Result<Mesh, Fault>
     let quads = quads(grid)?;
     let mut place = vec![None; grid.points.len()];
     quads.iter().flat_map(|(_, quad)| quad).for_each(|&point| place[point as usize] = Some(0));
-    let used: Vec<u32> = (0..).zip(&place).filter(|(_, node)| node.is_some()).map(|(point, _)| point).collect();
+    let used: Vec<u32> =
+        (0..).zip(&place).filter(|(_, node)| node.is_some()).map(|(point, _)| point).collect();
     for (&point, node) in used.iter().zip(0_u32..) {
         place[point as usize] = Some(node);
     }
@@ -29,7 +30,10 @@ pub(super) fn mesh(grid: &Grid, file: String, scale: f64) -> Result<Mesh, Fault>
         let position = Vec3::from(grid.points[point as usize]) * scale;
         if !position.iter().all(|x| x.is_finite()) {
             let message = format!("point {point} has a coordinate that is not a finite number");
-            return Err(Fault::new(message, "repair the geometry, or the scale of the mesh, and write it again"));
+            return Err(Fault::new(
+                message,
+                "repair the geometry, or the scale of the mesh, and write it again",
+            ));
         }
         mesh.positions.push(position);
     }
@@ -149,7 +153,10 @@ fn sets_of_cells(
         for (number, cell) in others {
             let Some(name) = groups.set(number) else { continue };
             let lost = |what: String, help: &str| {
-                Fault::new(format!("{what} of cell {number}, of the group \"{}\",", name) + " is not in the mesh", help)
+                Fault::new(
+                    format!("{what} of cell {number}, of the group \"{}\",", name) + " is not in the mesh",
+                    help,
+                )
             };
             match cell {
                 Cell::Quad(_) => {}
@@ -168,7 +175,8 @@ fn sets_of_cells(
                 Cell::Vertices(points) => {
                     for &point in points {
                         let help = "take vertices that belong to no quadrilateral out of the file, or the integer arrays of its cells";
-                        let node = local(point).ok_or_else(|| lost(format!("the vertex at point {point}"), help))?;
+                        let node =
+                            local(point).ok_or_else(|| lost(format!("the vertex at point {point}"), help))?;
                         node_sets.entry(name.clone()).or_default().push(node);
                     }
                 }

@@ -69,7 +69,9 @@ impl Grid {
         let [points_before, cells_before] = [self.points.len(), self.cells.len()];
         self.add_points(piece, source, points)?;
         self.add_cells(piece, source, [points, cells])?;
-        for (section, tuples, before) in [("PointData", points, points_before), ("CellData", cells, cells_before)] {
+        for (section, tuples, before) in
+            [("PointData", points, points_before), ("CellData", cells, cells_before)]
+        {
             let data = if section == "PointData" { &mut self.point_data } else { &mut self.cell_data };
             data.add(child(piece, section), source, [tuples, before])?;
         }
@@ -78,8 +80,8 @@ impl Grid {
 
     fn add_points(&mut self, piece: Node<'_, '_>, source: &Source<'_>, points: usize) -> Result<(), Fault> {
         let array = child(piece, "Points").and_then(|section| child(section, "DataArray"));
-        let array = array
-            .ok_or_else(|| Fault::damaged("a piece has no array of its points").at_line(line(piece)))?;
+        let array =
+            array.ok_or_else(|| Fault::damaged("a piece has no array of its points").at_line(line(piece)))?;
         if components(array) != 3 {
             let message = format!("the points have {} coordinates, not 3", components(array));
             return Err(Fault::damaged(message).at_line(line(array)));
@@ -105,7 +107,8 @@ impl Grid {
         let whole = |name: &str, count: usize| -> Result<Vec<i64>, Fault> {
             let array = named(name)?;
             source.numbers(array, count)?.into_whole().ok_or_else(|| {
-                Fault::damaged(format!("the array \"{name}\" has numbers that are no integers")).at_line(line(array))
+                Fault::damaged(format!("the array \"{name}\" has numbers that are no integers"))
+                    .at_line(line(array))
             })
         };
         let kinds = whole("types", cells)?;
@@ -182,7 +185,8 @@ impl Data {
             ["GlobalIds", "PedigreeIds"].iter().any(|key| section.attribute(*key) == Some(name))
                 || name.starts_with("vtk")
         };
-        let arrays = section.into_iter().flat_map(|section| section.children().map(move |node| (section, node)));
+        let arrays =
+            section.into_iter().flat_map(|section| section.children().map(move |node| (section, node)));
         for (section, node) in arrays.filter(|(_, node)| node.has_tag_name("DataArray")) {
             let Some(name) = node.attribute("Name").filter(|_| is_numeric(node)) else { continue };
             let components = components(node);
@@ -194,7 +198,10 @@ impl Data {
                     let (name, is_byte, is_id) = (name.to_owned(), is_byte(node), ids(section, name));
                     self.arrays.push(Array { name, components, numbers, is_byte, is_id });
                 }
-                Some(array) if array.components == components && (components > 1 || array.numbers.len() == before) => {
+                Some(array)
+                    if array.components == components
+                        && (components > 1 || array.numbers.len() == before) =>
+                {
                     array.is_byte &= is_byte(node);
                     array.numbers.append(numbers);
                 }

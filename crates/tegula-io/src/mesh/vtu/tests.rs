@@ -16,7 +16,8 @@ fn folder() -> PathBuf {
 fn plates() -> Vec<(String, Vec<u8>)> {
     let files = fs::read_dir(folder()).unwrap().map(|file| file.unwrap());
     let named = files.map(|file| (file.file_name().into_string().unwrap(), fs::read(file.path()).unwrap()));
-    let mut out: Vec<_> = named.filter(|(name, _)| !["vtk-lz4.vtu", "meshio-cell-sets.vtu"].contains(&name.as_str())).collect();
+    let mut out: Vec<_> =
+        named.filter(|(name, _)| !["vtk-lz4.vtu", "meshio-cell-sets.vtu"].contains(&name.as_str())).collect();
     out.sort();
     out
 }
@@ -28,7 +29,9 @@ fn read(bytes: &[u8]) -> Result<Mesh, String> {
 fn refused(bytes: impl AsRef<[u8]>, wanted: &str) {
     match read(bytes.as_ref()) {
         Ok(_) => panic!("accepted, in place of: {wanted}"),
-        Err(message) => assert!(message.starts_with("a.vtu") && message.contains(wanted), "{message}\n{wanted}"),
+        Err(message) => {
+            assert!(message.starts_with("a.vtu") && message.contains(wanted), "{message}\n{wanted}")
+        }
     }
 }
 
@@ -38,9 +41,19 @@ fn ascii(points: usize, cells: &[(u8, &[u32])], [point_data, cell_data]: [&str; 
     let coordinates = list((0..points).map(|i| format!("{} {} 0", i % 3, i / 3)).collect());
     let connectivity = list(cells.iter().flat_map(|(_, nodes)| nodes.iter()).map(u32::to_string).collect());
     let mut end = 0;
-    let offsets = list(cells.iter().map(|(_, nodes)| { end += nodes.len(); end.to_string() }).collect());
+    let offsets = list(
+        cells
+            .iter()
+            .map(|(_, nodes)| {
+                end += nodes.len();
+                end.to_string()
+            })
+            .collect(),
+    );
     let kinds = list(cells.iter().map(|(kind, _)| kind.to_string()).collect());
-    let array = |name: &str, content: &str| format!("<DataArray type=\"Int64\" Name=\"{name}\" format=\"ascii\">{content}</DataArray>");
+    let array = |name: &str, content: &str| {
+        format!("<DataArray type=\"Int64\" Name=\"{name}\" format=\"ascii\">{content}</DataArray>")
+    };
     format!(
         "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{}\">\
          <Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">{coordinates}</DataArray></Points>\
@@ -103,7 +116,10 @@ fn files_of_this_program_are_read() {
         quads: &quads,
         // A beam, which is no side of an element.
         lines: &[[0, 3]],
-        point_data: vec![DataArray::new("t", 1, &thickness[..]), DataArray::new("displacement", 3, displacement)],
+        point_data: vec![
+            DataArray::new("t", 1, &thickness[..]),
+            DataArray::new("displacement", 3, displacement),
+        ],
         cell_data: vec![DataArray::new("von_mises", 1, &stress[..])],
         time: 0.25,
     };
@@ -175,7 +191,11 @@ fn truth_values_are_sets_of_their_name() {
 #[test]
 fn numbers_of_points_are_no_groups() {
     let points = "7 7 7 7 7 7 7 7 7";
-    let text = ascii(9, &[(9, &[0, 1, 4, 3])], [&(integers("ids", points) + &integers("vtkIds", points) + &integers("g", points)), ""]);
+    let text = ascii(
+        9,
+        &[(9, &[0, 1, 4, 3])],
+        [&(integers("ids", points) + &integers("vtkIds", points) + &integers("g", points)), ""],
+    );
     let mesh = read(text.replace("<PointData>", "<PointData GlobalIds=\"ids\">").as_bytes()).unwrap();
     assert_eq!(mesh.node_sets.keys().collect::<Vec<_>>(), ["g:7"]);
     assert!(mesh.field("ids").is_ok(), "it still is a field");
@@ -195,7 +215,10 @@ fn pieces_follow_one_another() {
     assert_eq!(mesh.node_sets["g:2"], [2, 3, 6, 7]);
     assert_eq!(mesh.merge_coincident_nodes().unwrap(), 4);
     assert_eq!(mesh.field("g").unwrap(), FieldValues::Nodes(&[1.0, 1.0, 2.0, 2.0]));
-    refused(with(&second.replace("\"g\"", "\"h\"")), "the array \"h\" stands twice in a piece, or not in every piece");
+    refused(
+        with(&second.replace("\"g\"", "\"h\"")),
+        "the array \"h\" stands twice in a piece, or not in every piece",
+    );
     refused(with(&second.replace(&integers("g", "1 1 2 2"), "")), "the array \"g\" stands twice in a piece");
 }
 
@@ -213,11 +236,23 @@ fn mistakes_name_the_array_and_the_remedy() {
     refused(changed("\"UnstructuredGrid\"", "\"PolyData\""), "data of the type \"PolyData\"");
     refused(changed("\"LittleEndian\"", "\"Middle\""), "`byte_order` of the file is \"Middle\"");
     refused(changed("\"UInt64\"", "\"UInt16\""), "`header_type` of the file is \"UInt16\"");
-    refused(fs::read(folder().join("vtk-lz4.vtu")).unwrap(), "\"vtkLZ4DataCompressor\"\n  help: save it with the compressor ZLib");
-    refused(changed("1 1.5 2 2.5", "1 1.5 two 2.5"), "a.vtu:6: the array \"t\" has \"two\" where a number is expected");
+    refused(
+        fs::read(folder().join("vtk-lz4.vtu")).unwrap(),
+        "\"vtkLZ4DataCompressor\"\n  help: save it with the compressor ZLib",
+    );
+    refused(
+        changed("1 1.5 2 2.5", "1 1.5 two 2.5"),
+        "a.vtu:6: the array \"t\" has \"two\" where a number is expected",
+    );
     refused(changed("1 1.5 2 2.5", "1 1.5 2"), "the array \"t\" has 11 numbers, and 12 are expected");
-    refused(changed("NumberOfPoints=\"12\"", "NumberOfPoints=\"4000000000000000000\""), "the array \"Points\"");
-    refused(changed("NumberOfCells=\"8\"", "NumberOfCells=\"9\""), "the array \"types\" has 8 numbers, and 9 are expected");
+    refused(
+        changed("NumberOfPoints=\"12\"", "NumberOfPoints=\"4000000000000000000\""),
+        "the array \"Points\"",
+    );
+    refused(
+        changed("NumberOfCells=\"8\"", "NumberOfCells=\"9\""),
+        "the array \"types\" has 8 numbers, and 9 are expected",
+    );
     refused(changed("Name=\"offsets\"", "Name=\"ends\""), "the cells have no array \"offsets\"");
     refused(changed("format=\"ascii\"", "format=\"text\""), "the array \"t\" has the format \"text\"");
     let mut raw = fs::read(folder().join("vtk-raw-plain.vtu")).unwrap();
@@ -228,7 +263,10 @@ fn mistakes_name_the_array_and_the_remedy() {
     raw.truncate(raw.windows(2).rposition(|w| w == b"</").unwrap() - 23);
     refused(&raw, "the array \"types\" ends early");
     let text = String::from_utf8(fs::read(folder().join("vtk-appended-plain.vtu")).unwrap()).unwrap();
-    refused(text.replacen("offset=\"0\"", "offset=\"99999\"", 1), "begins at 99999, beyond the appended data");
+    refused(
+        text.replacen("offset=\"0\"", "offset=\"99999\"", 1),
+        "begins at 99999, beyond the appended data",
+    );
     refused(text.replacen("encoding=\"base64\"", "encoding=\"hex\"", 1), "the encoding \"hex\"");
     for scale in [0.0, f64::NAN] {
         let error = Vtu::parse(Path::new("a.vtu"), whole.as_bytes(), scale).unwrap_err();
@@ -242,14 +280,21 @@ fn nested_elements_and_entities_do_no_harm() {
     let nested = format!("{}{}", "<a>".repeat(100_000), "</a>".repeat(100_000));
     let _ = read(whole.replacen("<PointData>", &format!("{nested}<PointData>"), 1).as_bytes());
     let bomb = "<!DOCTYPE a [<!ENTITY b \"1111111111\"><!ENTITY c \"&b;&b;&b;&b;&b;&b;&b;&b;\">]>";
-    refused(whole.replacen("<VTKFile", &format!("{bomb}<VTKFile"), 1), "this is no VTU file, or a damaged one");
+    refused(
+        whole.replacen("<VTKFile", &format!("{bomb}<VTKFile"), 1),
+        "this is no VTU file, or a damaged one",
+    );
 }
 
 /// A block of zeros that is 1000 times as long as its compressed data is not decompressed beyond the expected length.
 #[test]
 fn blocks_that_grow_beyond_their_array_are_refused() {
     let bytes = fs::read(folder().join("vtk-binary-zlib.vtu")).unwrap();
-    let text = String::from_utf8(bytes).unwrap().replacen("type=\"Float64\" Name=\"t\"", "type=\"Float32\" Name=\"t\"", 1);
+    let text = String::from_utf8(bytes).unwrap().replacen(
+        "type=\"Float64\" Name=\"t\"",
+        "type=\"Float32\" Name=\"t\"",
+        1,
+    );
     refused(text, "the array \"t\" has more than the 48 bytes that are expected");
 }
 
