@@ -296,7 +296,7 @@ impl Assembly {
     }
 
     /// Adds the curvature of the unit sphere of inextensible directors under the forces `rest` that act on them from
-    /// outside to the values of the tangent.
+    /// outside to the values of the tangent; in tangents that decide about stability under those of joints and springs in the last evaluation, too.
     pub fn add_curvature(
         &mut self,
         system: &System,
@@ -307,9 +307,25 @@ impl Assembly {
         if k.linear {
             return;
         }
-        let Self { frames, values, .. } = self;
+        let Self { frames, values, element_forces, .. } = self;
         for (v, shift) in curvature(system, frames, k, weights, rest) {
             system.pattern.add_to_diagonal(v, shift, frames, values);
+        }
+        if !body_curvature::decides_stability(weights) || frames.dofs().unit.is_empty() {
+            return;
+        }
+        // Shells contain the curvature under their own forces.
+        let factor = weights.force * weights.direction;
+        for (_, group, offsets) in system.numbered_groups().filter(|(_, g, _)| g.stresses_per_element() == 0)
+        {
+            let vectors = (0..group.len()).flat_map(|e| group.vectors(e));
+            for (&v, force) in vectors.zip(element_forces[offsets.forces.clone()].chunks_exact(3)) {
+                let v = v as usize;
+                if system.coordinates.inextensible.get(v) == Some(&true) && frames.dofs().is_free(v) {
+                    let along = current_vector(system, &k.motion, v).dot(&Vec3::from_column_slice(force));
+                    system.pattern.add_to_diagonal(v, -factor * along, frames, values);
+                }
+            }
         }
     }
 

@@ -2,7 +2,8 @@
 
 use crate::arc_length::{Record, by_arc_length, centre, run};
 use crate::beams::fixed;
-use crate::multibody::{body, revolute};
+use crate::common::{model, on, plate, vector_load};
+use crate::multibody::{axis_joint, between, body, revolute};
 use crate::paths::{critical, follow, roof};
 use tegula::analysis::path::{CriticalKind, PathOutcome};
 use tegula::model::*;
@@ -109,9 +110,7 @@ fn a_column_of_beams_on_joints_branches_at_eulers_load() {
     let euler = std::f64::consts::PI.powi(2) * 0.5;
     let beam = slender("column", [[0.0; 3], [1.0, 0.0, 0.0]], 32, [0.5, 1.0]);
     let foot = revolute("foot", "ground", "column.start", [0.0; 3], [0.0, 0.0, 1.0]);
-    let guide = |name: &str, at| {
-        Joint::Cylindrical(crate::multibody::axis_joint(name, "ground", "head", at, [1.0, 0.0, 0.0]))
-    };
+    let guide = |name: &str, at| Joint::Cylindrical(axis_joint(name, "ground", "head", at, [1.0, 0.0, 0.0]));
     let head = body("head", [1.0, 0.0, 0.0], 1.0, Some([1.0; 3]));
     let pin = revolute("pin", "head", "column.end", [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
     let joints = vec![foot, pin, guide("guide", [1.0, 0.0, 0.0])];
@@ -158,7 +157,7 @@ fn a_frame_of_beams_snaps_as_by_arc_length() {
 #[test]
 fn a_body_on_the_edge_of_a_plate_moves_as_by_arc_length() {
     for element in [ElementKind::Ems, ElementKind::Mitc4] {
-        let mut m = crate::common::model(crate::common::plate([1.0, 0.2], [8, 2], 0.0), 1e9, 0.01);
+        let mut m = model(plate([1.0, 0.2], [8, 2], 0.0), 1e9, 0.01);
         m.sections[0].element = element;
         let mut tip = body("tip", [1.1, 0.1, 0.03], 1.0, Some([1.0; 3]));
         tip.attached = vec!["u_max".into()];
@@ -184,21 +183,123 @@ fn a_strip_on_a_foundation_branches_at_its_load() {
     };
     let load = euler(2.0);
     assert!(load < euler(1.0) && load < euler(3.0));
-    let mut m = crate::common::model(crate::common::plate([1.0, width], [40, 1], 0.0), young, thickness);
+    let mut m = model(plate([1.0, width], [40, 1], 0.0), young, thickness);
     m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(young, 0.0, 1.0)));
     m.sections[0].element = ElementKind::Mitc4;
     let guided = FixComponents { on: "u_max".into(), position: vec![Axis::Y, Axis::Z], director: Vec::new() };
-    m.conditions = vec![Condition::Hinge(crate::common::on("u_min")), Condition::Fix(guided)];
+    m.conditions = vec![Condition::Hinge(on("u_min")), Condition::Fix(guided)];
     m.foundations = vec![Foundation::Area(AreaFoundation {
         on: "all".into(),
         stiffness: [0.0, 0.0, stiffness],
         normal: 0.0,
         retardation_time: 0.0,
     })];
-    m.loads = vec![Load::Edge(crate::common::vector_load("u_max", [-1.1 * load, 0.0, 0.0]))];
+    m.loads = vec![Load::Edge(vector_load("u_max", [-1.1 * load, 0.0, 0.0]))];
     m.analysis = Analysis::Path(PathAnalysis { end_load: 1.0, ..Default::default() });
     let [(_, series, _), (_, arc, _)] = both(&m);
     let [found, other] = [&series, &arc].map(critical);
     assert!((1.1 * found[0].load - 1.0).abs() < 5e-3, "{}", 1.1 * found[0].load);
     assert!((found[0].load / other[0].load - 1.0).abs() < 1e-7, "{} {}", found[0].load, other[0].load);
+}
+
+/// A plate with a body on its edge, by a rigid or a distributing coupling, and a second body that a joint in space holds there, and a ball joint or a hinge
+/// in the ground: `tip` and `strut` turn far under a force.
+fn strut(element: ElementKind, distributed: bool, (joint, hinge): (Joint, bool)) -> Model {
+    let mut m = model(plate([1.0, 0.2], [8, 2], 0.0), 2e9, 0.01);
+    m.sections[0].element = element;
+    let mut tip = body("tip", [1.1, 0.1, 0.05], 1.0, Some([0.1; 3]));
+    if distributed {
+        tip.distributed = vec!["u_max".into()];
+    } else {
+        tip.attached = vec!["u_max".into()];
+    }
+    m.bodies = vec![tip, body("strut", [1.3, 0.1, 0.2], 1.0, Some([0.1; 3]))];
+    let at = [1.5, 0.2, 0.3];
+    let ball = PointJoint { name: "ball".into(), between: between("ground", "strut"), at, second_at: None };
+    m.joints = match hinge {
+        true => vec![joint, revolute("hinge", "ground", "strut", at, [1.0, 1.0, 0.0])],
+        false => vec![joint, Joint::Spherical(ball)],
+    };
+    m.loads = vec![force("strut", [-10.0, 5.0, -20.0]), force("tip", [0.0, 3.0, -10.0])];
+    m.analysis = Analysis::Path(PathAnalysis { end_load: 1.0, ..Default::default() });
+    m
+}
+
+/// Joints of all kinds with axes askew: the path as by the arc-length method, joints closed to round-off, in few factorisations.
+#[test]
+fn plates_on_joints_in_space_move_as_by_arc_length() {
+    let axis = axis_joint("joint", "tip", "strut", [1.2, 0.15, 0.1], [1.0, 2.0, 3.0]);
+    let rod = Joint::Distance(DistanceJoint {
+        name: "joint".into(),
+        between: between("tip", "strut"),
+        points: [[1.2, 0.15, 0.1], [1.4, 0.2, 0.4]],
+    });
+    let joints = [
+        (Joint::Cylindrical(axis.clone()), false),
+        (Joint::Revolute(axis.clone().into()), false),
+        (Joint::Prismatic(axis.clone().into()), false),
+        (Joint::Planar(axis), true),
+        (rod, true),
+    ];
+    for (i, joint) in joints.into_iter().enumerate() {
+        let (element, distributed) =
+            if i % 2 == 0 { (ElementKind::Mitc4, true) } else { (ElementKind::Ems, false) };
+        let m = strut(element, distributed, joint);
+        let [(system, series, _), (_, arc, _)] = both(&m);
+        let (apart, counts) = (distance([&series, &arc]), series.statistics.factorizations);
+        assert!(apart < 1e-8, "{i}: {apart}");
+        assert!(counts <= 8 && 3 * counts < arc.statistics.factorizations, "{i}: {counts}");
+        for joint in system.joints.iter() {
+            let drift = tegula::result::joint_drift(&system, &series.state, joint);
+            assert!(drift < 1e-11, "{i} {}: {drift}", joint.name);
+        }
+    }
+}
+
+/// A prescribed motion of a node that a joint holds in the ground contradicts it: both methods refuse it with the name of the joint, and a mechanism
+/// with the motion that it leaves free; a force on a point that is held moves nothing.
+#[test]
+fn paths_that_joints_do_not_admit_are_refused() {
+    let refusal = |m: &Model| {
+        let Analysis::Path(options) = &m.analysis else { panic!("no path") };
+        let (_, system) = crate::common::compile(m);
+        tegula::analysis::path::run(&system, options, None, &mut tegula::analysis::Silent)
+            .unwrap_err()
+            .to_string()
+    };
+    let mut pinned = model(plate([1.0, 0.2], [4, 1], 0.0), 1e9, 0.01);
+    let at = [1.0, 0.0, 0.0];
+    let pin =
+        PointJoint { name: "pin".into(), between: between("ground", "u_max_v_min"), at, second_at: None };
+    pinned.joints = vec![Joint::Spherical(pin)];
+    pinned.conditions.push(Condition::Prescribe(PrescribeComponent {
+        on: "u_max_v_min".into(),
+        of: NodalVector::Position,
+        component: Axis::Y,
+        value: 0.2,
+        amplitude: None,
+    }));
+    pinned.loads.clear();
+    pinned.analysis = Analysis::Path(PathAnalysis { end_load: 1.0, ..Default::default() });
+    let text = refusal(&pinned);
+    assert!(text.contains("joint \"pin\" is open") && text.contains("contradict"), "{text}");
+
+    let hinge = revolute("hinge", "ground", "bar", [0.0; 3], [0.0, 0.0, 1.0]);
+    let bar = body("bar", [1.0, 0.0, 0.0], 1.0, Some([0.1; 3]));
+    let pendulum = path_of(vec![bar.clone()], Vec::new(), vec![hinge], vec![force("bar", [0.0, -1.0, 0.0])]);
+    let text = refusal(&pendulum);
+    assert!(text.contains("mechanism") && text.contains("body \"bar\" turns about the axis"), "{text}");
+
+    let ball = PointJoint {
+        name: "ball".into(),
+        between: between("ground", "tip"),
+        at: [1.1, 0.1, 0.05],
+        second_at: None,
+    };
+    let mut held = strut(ElementKind::Ems, false, (Joint::Spherical(ball), false));
+    held.bodies.truncate(1);
+    held.joints.truncate(1);
+    held.loads = vec![force("tip", [0.0, 0.0, -20.0])];
+    let text = refusal(&held);
+    assert!(text.contains("nothing moves with the load factor"), "{text}");
 }

@@ -170,7 +170,7 @@ impl<'a> ArcLengthSteps<'a> {
         let at = (&mut *equation, state.history.as_slice());
         let (tangent, negative) = newton
             .path_tangent(system, at, Some(&end.direction), response)
-            .map_err(|reason| not_continued(state, &reason))?;
+            .map_err(|reason| not_continued(system, state, &reason))?;
         if let Some(path) = &mut state.path {
             let is_on_branch = end.expected == 0.0;
             let length =
@@ -442,11 +442,11 @@ impl Stepper for ArcLengthSteps<'_> {
         let start = self.state.step == 0 && self.path().is_some_and(|path| path.arc.is_none());
         if let Some(direction) = away_from_critical_point(self.system, &self.options).filter(|_| start) {
             let outcome = self.step_away(direction, observer);
-            let outcome = outcome.map_err(|reason| not_continued(&self.state, &reason))?;
+            let outcome = outcome.map_err(|reason| not_continued(self.system, &self.state, &reason))?;
             self.accept(outcome, observer);
             return Ok((self.statistics.iterations - before) as u32);
         }
-        let arc = self.start_of_step().map_err(|reason| not_continued(&self.state, &reason))?;
+        let arc = self.start_of_step().map_err(|reason| not_continued(self.system, &self.state, &reason))?;
         let mut planned = arc.length;
         for halving in 0.. {
             let length = planned.min(self.limit - self.position());
@@ -461,7 +461,7 @@ impl Stepper for ArcLengthSteps<'_> {
                 Err(_) if observer.interrupted() => return Err(Error::Interrupted),
                 Err(reason) if halving == MOST_HALVINGS => {
                     observer.on_repeat(&self.statistics);
-                    return Err(not_continued(&self.state, &reason));
+                    return Err(not_continued(self.system, &self.state, &reason));
                 }
                 Err(reason) => {
                     planned = 0.5 * length;

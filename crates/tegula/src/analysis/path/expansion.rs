@@ -25,7 +25,7 @@ use crate::analysis::unstable_modes::UnstableModes;
 use crate::analysis::unstable_modes::normalize;
 use crate::analysis::{State, equilibrium};
 use crate::element::power_series::KnownOrders;
-use crate::element::{Nodal, TangentWeights};
+use crate::element::{Motion, Nodal, TangentWeights};
 use crate::model::PathAnalysis;
 use crate::norm::larger;
 use crate::system::assembly::TangentCoefficients;
@@ -36,6 +36,12 @@ use tegula_sparse::gmres::noise;
 
 /// Length of a series without a last term, as of a path that is a straight line.
 const STRAIGHT: f64 = 1e3;
+
+/// Part of the response to the loads that joints leave, below which it is round-off.
+const MOTIONLESS: f64 = 1e-12;
+
+/// Value of a constraint over its size above which a joint counts as open.
+const OPEN: f64 = 1e-8;
 
 /// Directions at a point whose tangent is factored.
 #[derive(Debug, Clone)]
@@ -83,11 +89,11 @@ pub struct Expansion {
 }
 
 impl Expansion {
-    /// Workspace for a system that has power series, on a path that begins at a state.
+    /// Workspace for a system that has power series.
     ///
     /// # Errors
     /// The factor does not fit in memory.
-    pub fn new(system: &System, stresses: SeriesStresses, state: &State) -> Result<Self> {
+    pub fn new(system: &System, stresses: SeriesStresses) -> Result<Self> {
         let fields = || vec![[0.0; 3]; system.vectors()];
         let (mut load, mut prescribed) = (fields(), fields());
         system.add_dead_loads(1.0, 1.0, &mut load);
@@ -110,7 +116,7 @@ impl Expansion {
         }
         Ok(Self {
             solver: solver::direct(system)?,
-            penalty: equilibrium::penalty(system, &mut assembly, state),
+            penalty: equilibrium::penalty(system, &mut assembly, &State::first(system)),
             constraints,
             assembly,
             stresses,
@@ -160,12 +166,26 @@ impl Expansion {
     fn solve(&mut self, rest: &[f64]) -> std::result::Result<Vec<f64>, String> {
         self.solver.solve_tangent(&mut self.free)?;
         let Self { constraints, free, .. } = self;
-        Ok(constraints.as_mut().map_or_else(Vec::new, |constraints| constraints.satisfy(rest, free).to_vec()))
+        let Some(constraints) = constraints else { return Ok(Vec::new()) };
+        let size = |x: &[f64]| x.iter().map(|x| x.abs()).fold(0.0, larger);
+        let before = size(free);
+        let multipliers = constraints.satisfy(rest, free).to_vec();
+        if size(free) <= MOTIONLESS * before {
+            free.fill(0.0);
+        }
+        Ok(multipliers)
     }
 
     /// Messages about joints with constraints that are redundant at the factored tangent.
     pub fn redundant<'a>(&'a self, system: &'a System) -> impl Iterator<Item = String> + 'a {
         self.constraints.iter().flat_map(|constraints| constraints.redundant(system))
+    }
+
+    /// Joint that is open at a point of the path, as a sentence without a full stop.
+    pub fn open_joint(&self, system: &System, u: &[Nodal], load: f64) -> Option<String> {
+        let motion = Motion::State { u, velocity: None };
+        let open = self.constraints.as_ref()?.violation(system, (&motion, load), OPEN)?;
+        Some(format!("{open}: its constraints contradict those of other joints"))
     }
 
     /// Factors the tangent at a point of the path; returns the number of its negative pivots.
@@ -199,6 +219,7 @@ impl Expansion {
         };
         let Self { solver, frames, constraints, .. } = self;
         if let Some(constraints) = constraints {
+            constraints.begin_step();
             constraints.take(system, (&k, &parts.weights), frames, solver)?;
             negative = negative.saturating_sub(constraints.negative_eigenvalues());
         }
@@ -337,7 +358,8 @@ impl Expansion {
             series.coefficients.push(next);
         }
         series.range = range(system, &series, options.tolerance)
-            .ok_or_else(|| "the coefficients of the power series are not finite".to_owned())?;
+            .ok_or_else(|| "the coefficients of the power series are not finite".to_owned())?
+            .min(joint_series::range(system, &multipliers, options.tolerance));
         Ok(series)
     }
 
@@ -407,7 +429,9 @@ impl Expansion {
             add_multiple(&mut self.field, 1.0, &next);
             directors.add_forces(&series.coefficients, &across, &mut self.field);
         }
-        let rates = joint_series::rates(system, u, &across, &series.coefficients);
+        // The solution is that of the negative forces.
+        let mut rates = joint_series::rates(system, u, &across, &series.coefficients);
+        rates.iter_mut().for_each(|rate| *rate = -*rate);
         self.frames.reduce(&self.field, &mut self.free);
         let mut of_order = self.solve(&rates)?;
         self.frames.expand(&self.free, &mut next);

@@ -104,8 +104,8 @@ fn has_no_direction(state: &State) -> bool {
 impl<'a> BeforeArcLength<'a> for SeriesSteps<'a> {
     fn advance_or_hand_over(&mut self, observer: &mut dyn Observer) -> Result<Advance<'a>> {
         let Err(reason) = self.provide_piece() else { return Ok(Advance::Taken(self.advance(observer)?)) };
-        let failed = not_continued(self.state(), &reason);
         let (system, options, state, statistics, limit) = self.parts();
+        let failed = not_continued(system, state, &reason);
         // A path that neither method begins has the reason of the first one.
         let (steps, otherwise) = match self.end_of_series() {
             Some(end) => (ArcLengthSteps::behind(self, end), None),

@@ -150,3 +150,22 @@ pub fn add_forces(system: &System, u: &[Nodal], multipliers: &[f64], out: &mut [
         );
     }
 }
+
+/// Length of the series of the multipliers by its last term, as that of displacements; infinite where they do not change. Each counts with the size
+/// of the values of its constraint, as energy.
+pub fn range(system: &System, multipliers: &[Vec<f64>], tolerance: f64) -> f64 {
+    let rows = || system.joints.iter().flat_map(|joint| &joint.rows);
+    let size = |of_order: &[f64]| {
+        of_order.iter().zip(rows()).map(|(x, row)| (x * row.size).powi(2)).sum::<f64>().sqrt()
+    };
+    let [at_start, first, .., last] = multipliers else { return f64::INFINITY };
+    let [at_start, first, last] = [at_start, first, last].map(|of_order| size(of_order));
+    if last == 0.0 {
+        return f64::INFINITY;
+    }
+    let order = (multipliers.len() - 1) as f64;
+    // Where they change little, their error is a part of their size.
+    let by_size = (tolerance * at_start / last).powf(1.0 / order);
+    let by_change = (tolerance * first / last).powf(1.0 / (order - 1.0));
+    crate::norm::larger(by_size, by_change)
+}

@@ -460,7 +460,11 @@ fn usable_end(
         series.direction(length, &mut direction);
         let [unbalanced, size] = expansion.residual(system, &u, series.load(length), &mut residual);
         let relative = unbalanced / larger(before, size);
-        let mut judge = || {
+        let open = expansion.open_joint(system, &u, series.load(length));
+        let judge = || {
+            if let Some(open) = open {
+                return Err(open);
+            }
             if !(relative <= LARGEST_RESIDUAL) {
                 return Err(format!("the residual at the end of the series is {relative:.1e} of the forces"));
             }

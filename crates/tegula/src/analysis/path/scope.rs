@@ -115,7 +115,10 @@ fn reason(system: &System) -> Option<String> {
     let driven = dofs.prescribed.iter().any(|motion| !motion.held && is_unit(motion.place().0));
     let given = [
         (driven, "prescribed motions turn inextensible directors"),
-        (system.has_follower_loads(), "follower loads turn with the model"),
+        (
+            system.has_follower_loads(),
+            "loads depend on the displacements: pressures, moments, follower, centrifugal and turning forces, or reactions of released joints",
+        ),
         (!system.without_internal_variables(), "a material or an enhanced strain keeps a history"),
     ];
     if let Some((_, reason)) = given.into_iter().find(|(is, _)| *is) {

@@ -45,7 +45,7 @@ impl<'a> SeriesSteps<'a> {
         let stresses = scope::stresses(system, options.order as usize)
             .map_err(|reason| Error::Model(vec![scope::without_series(&reason)]))?;
         let state = start.filter(|state| state.path.is_some()).unwrap_or_else(|| first_state(system));
-        let mut expansion = Expansion::new(system, stresses, &state)?;
+        let mut expansion = Expansion::new(system, stresses)?;
         Ok(Self {
             balance: statics::energies(system, expansion.assembly(), &state),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
@@ -166,12 +166,12 @@ impl Stepper for SeriesSteps<'_> {
         if observer.interrupted() {
             return Err(Error::Interrupted);
         }
-        self.provide_piece().map_err(|reason| not_continued(&self.state, &reason))?;
+        self.provide_piece().map_err(|reason| not_continued(self.system, &self.state, &reason))?;
         let Some(piece) = &self.piece else { return Ok(0) };
         let next = piece.next_point(self.position(), self.limit);
         piece.series().displacements(next, &mut self.trial);
         if let Some(inverted) = inverted_element(self.system, &self.trial) {
-            return Err(not_continued(&self.state, &inverted));
+            return Err(not_continued(self.system, &self.state, &inverted));
         }
         self.go_to(next, observer);
         if self.is_finished() && self.piece.as_ref().is_some_and(Piece::has_run_out) {

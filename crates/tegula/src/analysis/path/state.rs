@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+use crate::analysis::mobility::free_motions;
 use crate::analysis::newton::PathTangent;
 use crate::analysis::{Observer, State};
 use crate::element::Nodal;
@@ -221,8 +222,20 @@ impl PathState {
     }
 }
 
-/// Error of a path that cannot be continued from a state.
-pub fn not_continued(state: &State, reason: &str) -> Error {
+/// Error of a path that cannot be continued from a state; at its start the motions that a mechanism has are named.
+pub fn not_continued(system: &System, state: &State, reason: &str) -> Error {
+    let free = if state.step == 0 { free_motions(system, state, None) } else { Vec::new() };
+    if !free.is_empty() {
+        return Error::NotConverged {
+            at: format!("load factor {:.6}", state.time),
+            reason: format!(
+                "the model is a mechanism: joints, springs and supports leave {} motion(s) free: {}. The path could not be begun: {reason}",
+                free.len(),
+                free.join("; ")
+            ),
+            help: "Hold the free motions by joints, supports or springs.".into(),
+        };
+    }
     Error::NotConverged {
         at: format!("load factor {:.6}", state.time),
         reason: format!("the path could not be continued: {reason}"),
