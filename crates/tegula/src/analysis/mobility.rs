@@ -19,8 +19,10 @@ use tegula_sparse::norm::larger;
 const MOST: usize = 600;
 /// Singular value over the largest one that is round-off.
 const ROUND_OFF: f64 = 1e-9;
-/// Strain energy over the sum of its absolute terms that is round-off.
+/// Strain energy over the sum of its absolute terms that is round-off, and that over the energy of a unit motion of the stiffest degree of freedom: motions
+/// that strain nothing have terms of round-off alone.
 const NO_ENERGY: f64 = 1e-13;
+const NO_STIFFNESS: f64 = 1e-24;
 /// Part of a motion, over the largest one, that is round-off.
 const NOTHING: f64 = 1e-7;
 
@@ -57,11 +59,13 @@ pub(super) fn free_motions(system: &System, state: &State, number: Option<usize>
     let svd = matrix.svd(false, true);
     let largest = svd.singular_values.iter().copied().fold(0.0, larger);
     let Some(right) = svd.v_t else { return Vec::new() };
+    let own = stiffness.iter().map(|(i, row)| row[*i].abs() * lengths[*i] * lengths[*i]);
+    let least = NO_STIFFNESS * own.fold(0.0, larger);
     let mut free: Vec<usize> = (0..n).collect();
     free.sort_by(|&i, &j| svd.singular_values[i].total_cmp(&svd.singular_values[j]));
     let is_free = |i: &usize| {
         let motion: Vec<f64> = (0..n).map(|j| right[(*i, j)] * lengths[j]).collect();
-        svd.singular_values[*i] <= ROUND_OFF * largest && !has_energy(&stiffness, &motion)
+        svd.singular_values[*i] <= ROUND_OFF * largest && !has_energy(&stiffness, &motion, least)
     };
     match number {
         Some(number) => free.truncate(number),
@@ -91,8 +95,8 @@ fn lengths(system: &System) -> Vec<f64> {
     out
 }
 
-/// Whether a motion strains springs or elastic parts of this stiffness.
-fn has_energy(stiffness: &[(usize, Vec<f64>)], motion: &[f64]) -> bool {
+/// Whether a motion strains springs or elastic parts of this stiffness by more than the least energy.
+fn has_energy(stiffness: &[(usize, Vec<f64>)], motion: &[f64], least: f64) -> bool {
     let (mut energy, mut size) = (0.0, 0.0);
     for (i, row) in stiffness {
         for (k, x) in row.iter().zip(motion) {
@@ -101,7 +105,7 @@ fn has_energy(stiffness: &[(usize, Vec<f64>)], motion: &[f64]) -> bool {
             size += term.abs();
         }
     }
-    energy > NO_ENERGY * size
+    energy > larger(NO_ENERGY * size, least)
 }
 
 /// Rows of the material stiffness of springs and elastic parts that are not joints, with their numbers; those that are zero are left out.

@@ -302,4 +302,21 @@ fn paths_that_joints_do_not_admit_are_refused() {
     held.loads = vec![force("tip", [0.0, 0.0, -20.0])];
     let text = refusal(&held);
     assert!(text.contains("nothing moves with the load factor"), "{text}");
+
+    // A body between two planar joints slides along the line in which their planes meet, beside a beam that is not strained.
+    let beam = slender("arm", [[0.0; 3], [1.0, 0.0, 0.0]], 4, [1.0; 2]);
+    let planar = |name: &str, first: &str, axis| {
+        Joint::Planar(axis_joint(name, first, "slider", [1.5, 0.1, 0.2], axis))
+    };
+    let carriage = body("carriage", [1.2, -0.2, -0.3], 1.0, Some([0.1; 3]));
+    let joints = vec![
+        fixed("clamp", "ground", "arm.start", [0.0; 3]),
+        fixed("weld", "arm.end", "carriage", [1.0, 0.0, 0.0]),
+        planar("first", "carriage", [0.8, 0.0, 0.6]),
+        planar("second", "ground", [-0.5, 0.8, 0.2]),
+    ];
+    let slider = body("slider", [1.6, 0.0, 0.1], 1.0, Some([0.1; 3]));
+    let m = path_of(vec![carriage, slider], vec![beam], joints, vec![force("slider", [-1.0, 2.0, 3.0])]);
+    let text = refusal(&m);
+    assert!(text.contains("mechanism") && text.contains("body \"slider\" moves along"), "{text}");
 }

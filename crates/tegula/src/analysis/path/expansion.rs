@@ -40,6 +40,9 @@ const STRAIGHT: f64 = 1e3;
 /// Part of the response to the loads that joints leave, below which it is round-off.
 const MOTIONLESS: f64 = 1e-12;
 
+/// Displacement under the load at the end of the path, by the tangent at its start, that is round-off where joints hold the model.
+const HELD: f64 = 1e-13;
+
 /// Value of a constraint over its size above which a joint counts as open.
 const OPEN: f64 = 1e-8;
 
@@ -322,7 +325,10 @@ impl Expansion {
         // Next to a bifurcation the response to the residual is large along the path.
         let (mut first, change) = directions.across(system, before);
         let Directions { unit, multipliers: [of_increment, of_unit], .. } = directions;
-        if system.norm(&unit) == 0.0 {
+        let size = system.norm(&unit);
+        let is_held =
+            self.constraints.is_some() && before.is_empty() && size * options.end_load.abs() <= HELD;
+        if size == 0.0 || is_held {
             return Err(NOTHING_MOVES.into());
         }
         // At the start of a path nothing is left from a step before.
