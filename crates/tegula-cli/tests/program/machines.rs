@@ -42,6 +42,18 @@ fn the_truss_of_von_mises_snaps_at_its_limit_load() {
     assert!(between.map(|(_, n)| *n).all(|n| n == 1.0));
 }
 
+/// Limit load of Lee's frame, as published to three digits, in few factorisations; its path passes a second limit under reversed load.
+#[test]
+fn the_frame_of_lee_snaps_at_its_limit_load() {
+    let s = result_of("lee_frame.toml");
+    let points = s["critical_points"].as_array().unwrap();
+    let limits: Vec<f64> = points.iter().map(|point| point["load_factor"].as_f64().unwrap()).collect();
+    assert!(points.iter().all(|point| point["kind"] == "limit") && limits.len() == 2, "{points:?}");
+    assert!((limits[0] - 1.85).abs() < 0.005 && (-1.0..-0.85).contains(&limits[1]), "{limits:?}");
+    let count = |name: &str| s[name].as_u64().unwrap();
+    assert!(count("factorizations") <= 22 && count("iterations") == 0, "{s}");
+}
+
 /// Energy of a door that friction brakes, and an impact with a coefficient of restitution: the angle at which it sticks.
 #[test]
 #[ignore = "long"]
