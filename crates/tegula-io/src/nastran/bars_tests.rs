@@ -331,7 +331,7 @@ fn a_column_of_bars_has_the_buckling_load_of_euler_and_the_frequency_of_a_cantil
     near(found.modes[0].omega, 1.8751_f64.powi(2) * (E * I[1] / (8e-9 * A * 1e12)).sqrt(), 5e-3);
     // Modes need a mass.
     let message = mistakes(&column(control, MATERIAL, clamp)).remove(0).1;
-    assert!(message.contains("a section constant is 0"), "{message}");
+    assert!(message.contains("the constant `mass` is 0"), "{message}");
 }
 
 #[test]
