@@ -104,6 +104,33 @@ fn redundant_joints_share_their_reactions_on_a_path() {
     }
 }
 
+/// A door on two hinges of one axis, held by a beam: forces of the hinges along the axis are not unique. Both methods, which weigh them with
+/// compliances, share them alike.
+#[test]
+fn a_door_on_two_hinges_has_the_reactions_of_the_arc_length_method() {
+    let beam = slender("arm", [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0]], 8, [100.0, 30.0]);
+    let ball = PointJoint {
+        name: "ball".into(),
+        between: between("door", "arm.start"),
+        at: [1.0, 0.0, 0.0],
+        second_at: None,
+    };
+    let hinge = |name: &str, z: f64| revolute(name, "ground", "door", [0.0, 0.0, z], [0.0, 0.0, 1.0]);
+    let joints = vec![
+        fixed("clamp", "ground", "arm.end", [1.0, 1.0, 0.0]),
+        hinge("lower", 0.0),
+        hinge("upper", 1.0),
+        Joint::Spherical(ball),
+    ];
+    let door = body("door", [0.5, 0.0, 0.5], 1.0, Some([0.1; 3]));
+    let m = path_of(vec![door], vec![beam], joints, vec![force("door", [0.0, 50.0, -3.0])]);
+    let [(_, series, record), (_, arc, _)] = both(&m);
+    assert!(record.events.iter().any(|event| event.contains("not unique")), "{:?}", record.events);
+    for (i, (a, b)) in series.state.multipliers.iter().zip(&arc.state.multipliers).enumerate() {
+        assert!((a - b).abs() < 1e-5 * (1.0 + b.abs()), "{i}: {a} {b}");
+    }
+}
+
 /// A column between hinges of which one slides: Euler's load, and the path that branches off there as the arc-length method finds it.
 #[test]
 fn a_column_of_beams_on_joints_branches_at_eulers_load() {

@@ -15,7 +15,7 @@ pub(in crate::analysis) struct Schur {
     /// S by rows, scaled where it is factored.
     pub matrix: Vec<f64>,
     /// Square roots of the diagonal: rows and columns are scaled by their inverse.
-    pub(super) scale: Vec<f64>,
+    pub scale: Vec<f64>,
     factor: CompletePivoting,
     /// Pivot over the largest one, below which constraints count as dependent.
     cut: f64,

@@ -88,6 +88,8 @@ pub struct Expansion {
     /// Constraints of joints, where there are some, and the weight of the augmented Lagrangian.
     constraints: Option<Constraints>,
     penalty: f64,
+    /// Square roots of the compliances of the constraints at the factored tangent, where there is one.
+    norm: Option<Vec<f64>>,
     free: Vec<f64>,
 }
 
@@ -121,6 +123,7 @@ impl Expansion {
             solver: solver::direct(system)?,
             penalty: equilibrium::penalty(system, &mut assembly, &State::first(system)),
             constraints,
+            norm: None,
             assembly,
             stresses,
             load,
@@ -156,7 +159,8 @@ impl Expansion {
         system.add_dead_loads(load, 1.0, &mut self.field);
         let mut rest = vec![0.0; self.free.len()];
         self.assembly.frames.reduce(&self.field, &mut rest);
-        joint_series::multipliers_at(system, &self.assembly.frames, (u, load), &rest)
+        let norm = self.norm.as_deref();
+        joint_series::multipliers_at(system, &self.assembly.frames, (u, load), (&rest, norm))
     }
 
     /// Internal forces at a point of the path, with those of joints.
@@ -196,6 +200,8 @@ impl Expansion {
     /// # Errors
     /// The tangent is singular, or the forces are not finite; the text gives the reason.
     pub fn factor(&mut self, system: &System, u: &[Nodal], load: f64) -> std::result::Result<usize, String> {
+        // A run that is resumed has no earlier tangent.
+        self.norm = None;
         let multipliers = self.multipliers(system, u, load);
         let k = point(system, u, load, &multipliers);
         let weights = TangentWeights { penalty: self.penalty, ..TangentWeights::STATIC };
@@ -225,6 +231,7 @@ impl Expansion {
             constraints.begin_step();
             constraints.take(system, (&k, &parts.weights), frames, solver)?;
             negative = negative.saturating_sub(constraints.negative_eigenvalues());
+            self.norm = Some(constraints.schur().scale.clone());
         }
         Ok(negative)
     }

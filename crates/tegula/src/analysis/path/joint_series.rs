@@ -9,7 +9,8 @@
 //! where K contains `ν₀·g″`: each order is a solution with the Schur complement that Newton's method has.
 //!
 //! The multipliers of an equilibrium follow from its displacements, `Gᵀν = λF − f`, in the sense of least squares: of constraints that depend
-//! on each other those of minimum norm. So a path carries none from point to point.
+//! on each other those of minimum norm, weighed with the compliances of the constraints at the last factored tangent as in Newton's method. So a path
+//! carries none from point to point.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -29,12 +30,13 @@ pub fn without_series(system: &System) -> Option<&str> {
     system.joints.iter().find(|joint| !quadratic(joint)).map(|joint| joint.name.as_str())
 }
 
-/// Multipliers of the constraints at an equilibrium with these displacements and load factor, from the forces `rest` that they balance.
+/// Multipliers of the constraints at an equilibrium with these displacements and load factor, from the forces `rest` that they balance. Of constraints
+/// that depend on each other those of minimum norm, in units of the `norm` where it is given.
 pub fn multipliers_at(
     system: &System,
     frames: &LocalFrames,
     (u, load): (&[Nodal], f64),
-    rest: &[f64],
+    (rest, norm): (&[f64], Option<&[f64]>),
 ) -> Vec<f64> {
     let gradients = gradients_of(system, frames, (u, load));
     let weights = weights(system, frames);
@@ -51,11 +53,11 @@ pub fn multipliers_at(
         right[i] = gradient.iter().map(|&(n, _)| dense[n as usize] * rest[n as usize]).sum();
         gradient.iter().for_each(|&(n, _)| dense[n as usize] = 0.0);
     }
-    minimum_norm(matrix, right)
+    minimum_norm(matrix, right, norm)
 }
 
-/// Solution of minimum norm of a symmetric system that may be singular, in unknowns that make its diagonal 1.
-fn minimum_norm(mut matrix: DMatrix<f64>, mut right: DVector<f64>) -> Vec<f64> {
+/// Solution of a symmetric system that may be singular, of minimum norm of the unknowns times `norm`; without it in unknowns that make its diagonal 1.
+fn minimum_norm(mut matrix: DMatrix<f64>, mut right: DVector<f64>, norm: Option<&[f64]>) -> Vec<f64> {
     let m = right.len();
     let scale: Vec<f64> =
         (0..m).map(|i| if matrix[(i, i)] > 0.0 { matrix[(i, i)].sqrt().recip() } else { 0.0 }).collect();
@@ -63,20 +65,30 @@ fn minimum_norm(mut matrix: DMatrix<f64>, mut right: DVector<f64>) -> Vec<f64> {
         right[i] *= scale[i];
         (0..m).for_each(|j| matrix[(i, j)] *= scale[i] * scale[j]);
     }
+    let scaled = |x: &DVector<f64>| x.iter().zip(&scale).map(|(x, scale)| x * scale).collect();
     if let Some(factor) = matrix.clone().cholesky()
         && factor.l_dirty().diagonal().iter().all(|pivot| pivot * pivot > ROUNDING)
     {
-        let solution = factor.solve(&right);
-        return solution.iter().zip(scale).map(|(x, scale)| x * scale).collect();
+        return scaled(&factor.solve(&right));
     }
     let eigen = matrix.symmetric_eigen();
     let limit = ROUNDING * eigen.eigenvalues.iter().fold(0.0, |a: f64, x| crate::norm::larger(a, x.abs()));
-    let mut parts = eigen.eigenvectors.tr_mul(&right);
-    for (part, value) in parts.iter_mut().zip(eigen.eigenvalues.iter()) {
-        *part = if *value > limit { *part / value } else { 0.0 };
+    let (mut solution, mut null) = (DVector::zeros(m), Vec::new());
+    for (vector, value) in eigen.eigenvectors.column_iter().zip(eigen.eigenvalues.iter()) {
+        if *value > limit {
+            solution += vector * (vector.dot(&right) / value);
+        } else {
+            null.push(vector.into_owned());
+        }
     }
-    let solution = eigen.eigenvectors * parts;
-    solution.iter().zip(scale).map(|(x, scale)| x * scale).collect()
+    let Some(norm) = norm.filter(|_| !null.is_empty()) else { return scaled(&solution) };
+    let null = DMatrix::from_columns(&null);
+    let weighted = DMatrix::from_fn(m, null.ncols(), |i, j| norm[i] * scale[i] * null[(i, j)]);
+    let rest = DVector::from_fn(m, |i, _| norm[i] * scale[i] * solution[i]);
+    if let Ok(part) = weighted.svd(true, true).solve(&rest, ROUNDING) {
+        solution -= null * part;
+    }
+    scaled(&solution)
 }
 
 /// Weights of the squares of the residual: forces count as they are, and moments and forces on directors over the length of the model.
