@@ -347,3 +347,37 @@ fn paths_that_joints_do_not_admit_are_refused() {
     let text = refusal(&m);
     assert!(text.contains("mechanism") && text.contains("body \"slider\" moves along"), "{text}");
 }
+
+/// A beam between ball joints is free to spin about its axis: the bifurcation that the path meets at once is round-off of this motion, and a warning says
+/// so; hinges hold it.
+#[test]
+fn bifurcations_of_free_motions_are_warned_of() {
+    let section = BeamSection::Rectangle(RectangularSection { size: [0.02, 0.05] });
+    let beam = Beam {
+        material: Some("steel".into()),
+        ..Beam::straight("bar", [[0.0; 3], [1.0, 0.0, 0.0]], 8, [0.0, 0.0, 1.0], section)
+    };
+    let ball = |name: &str, end: &str, x: f64| {
+        Joint::Spherical(PointJoint {
+            name: name.into(),
+            between: between("ground", end),
+            at: [x, 0.0, 0.0],
+            second_at: None,
+        })
+    };
+    let joints = vec![ball("left", "bar.start", 0.0), ball("right", "bar.end", 1.0)];
+    let mut free = path_of(Vec::new(), vec![beam], joints, vec![force("bar.4", [0.0, 0.0, -100.0])]);
+    free.materials.insert("steel".into(), Material::Isotropic(Isotropic::new(2e11, 0.3, 7800.0)));
+    let warned = |m: &Model| {
+        let (_, outcome, record) = run(m);
+        let told = record.events.iter().any(|text| text.contains("\"bar.4\" turns about the axis"));
+        (critical(&outcome).len(), told)
+    };
+    let (bifurcations, told) = warned(&free);
+    // Whether round-off makes one is up to the machine.
+    assert_eq!(bifurcations > 0, told);
+    let hinge = revolute("left", "ground", "bar.start", [0.0; 3], [0.0, 1.0, 0.0]);
+    let mut held = free;
+    held.joints[0] = hinge;
+    assert_eq!(warned(&held), (0, false));
+}

@@ -181,6 +181,10 @@ impl PathState {
             found.kind.name(),
             found.load,
         ));
+        let is_bifurcation = |point: &CriticalPoint| point.kind == CriticalKind::Bifurcation;
+        if is_bifurcation(found) && !self.critical.iter().any(is_bifurcation) {
+            warn_of_free_motions(system, found, observer);
+        }
         if let Some(earlier) = self.critical.iter().find(|earlier| earlier.is_passed_again_at(system, found))
         {
             observer.on_event(&format!(
@@ -242,6 +246,28 @@ pub fn not_continued(system: &System, state: &State, reason: &str) -> Error {
         help: "Results up to this load factor are complete. Look at the shape there: elements may be inverted, parts may move freely, springs \
                may have lost their length, or several paths may cross."
             .into(),
+    }
+}
+
+/// Most unknowns of a model whose free motions are looked for at a bifurcation: the search is dense.
+const MOST_SEARCHED: usize = 200;
+
+/// Warns of motions that the joints of a small model leave free at a bifurcation: their eigenvalues are round-off, and the bifurcation may be one
+/// of them.
+fn warn_of_free_motions(system: &System, found: &CriticalPoint, observer: &mut dyn Observer) {
+    if system.unknowns() > MOST_SEARCHED {
+        return;
+    }
+    let state = State { u: found.u.clone(), time: found.load, ..State::first(system) };
+    let free = free_motions(system, &state, None);
+    if !free.is_empty() {
+        observer.on_warning(&format!(
+            "load factor {:.6e}: joints, springs and supports leave {} motion(s) free: {}; where no stress resists them, this bifurcation is one of \
+             round-off",
+            found.load,
+            free.len(),
+            free.join("; ")
+        ));
     }
 }
 
