@@ -279,6 +279,14 @@ class States(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "another model"):
             other.simulation(start=equations.state())
 
+    def test_states_that_move_supports_are_refused(self) -> None:
+        simulation = tegula.Model(strip(analysis=SWING)).simulation()
+        for _ in range(3):
+            simulation.advance()
+        held = tegula.Model(strip(analysis=SWING, conditions=[{"type": "clamp", "on": on} for on in ("u_min", "u_max")]))
+        with self.assertRaisesRegex(ValueError, "node [0-9]+ moves, or is elsewhere, where this model holds it"):
+            held.simulation(start=simulation.state)
+
     def test_simulations_start_from_states_of_their_kind_of_analysis(self) -> None:
         analyses: dict[str, dict[str, Any]] = {
             "static": {"type": "static", "load_steps": 4},

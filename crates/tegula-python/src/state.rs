@@ -44,6 +44,13 @@ impl State {
     /// The state does not fit the system, or no analysis of this kind has reached it.
     pub fn as_start(&self, system: &System, analysis: &str) -> PyResult<&analysis::State> {
         let state = self.of(system)?;
+        if let Some(v) = state.moved_support(system) {
+            return Err(PyValueError::new_err(format!(
+                "the state belongs to another model: node {} moves, or is elsewhere, where this model holds it; continue with other supports by \
+                 [[steps]]",
+                system.coordinates.nodes[v]
+            )));
+        }
         if self.analysis == analysis {
             return Ok(state);
         }

@@ -21,11 +21,14 @@ pub mod stop_condition;
 pub mod stops;
 mod unstable_modes;
 
+use std::collections::HashSet;
+
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
 use crate::constraint::CoordinateState;
 use crate::element::{Motion, Nodal};
+use crate::system::dof_map::CONSTRAINED;
 use crate::system::{EvaluationPoint, Internal, StepStart, System};
 use lagged_tangent::LaggedTangent;
 pub use newton::Stability;
@@ -115,6 +118,9 @@ pub struct State {
     pub watched: Watched,
 }
 
+/// Displacement over the size of the model, and velocity over the largest one, of a support that is round-off.
+const AT_SUPPORT: f64 = 1e-9;
+
 impl State {
     /// First state of an analysis step: where the step before has ended, or the reference configuration at rest.
     pub fn first(system: &System) -> Self {
@@ -163,6 +169,27 @@ impl State {
     pub fn point_with_rates<'a>(&'a self, system: &System) -> EvaluationPoint<'a> {
         let velocity = (!self.v.is_empty()).then_some(self.v.as_slice());
         EvaluationPoint::new(system, Motion::State { u: &self.u, velocity }, self.time, self.internal())
+    }
+
+    /// Nodal vector of the state that moves where a system holds it, or is elsewhere than the system prescribes; `None` where there is none.
+    pub fn moved_support(&self, system: &System) -> Option<usize> {
+        let (frames, dofs) = (&system.frames, system.dofs());
+        let mut prescribed = self.u.clone();
+        system.prescribe(self.time, &mut prescribed);
+        let fastest = crate::norm::max_norm(self.v.as_flattened());
+        let given: HashSet<u32> = dofs.prescribed.iter().map(|p| p.dof).collect();
+        let turns = |v: usize| dofs.unit.iter().any(|unit| unit.vector as usize == v);
+        (0..self.u.len()).filter(|v| !dofs.is_carried(*v) && !turns(*v)).find(|&v| {
+            let apart =
+                (0..3).any(|i| !((prescribed[v][i] - self.u[v][i]).abs() <= AT_SUPPORT * system.length));
+            let at = frames.to_local(v, self.u[v]);
+            let speed = frames.to_local(v, self.v.get(v).copied().unwrap_or_default());
+            let fixed = |c: usize| dofs.of(v)[c] == CONSTRAINED && !given.contains(&((3 * v + c) as u32));
+            let moves = |c: usize| {
+                !(at[c].abs() <= AT_SUPPORT * system.length && speed[c].abs() <= AT_SUPPORT * fastest)
+            };
+            apart || (0..3).any(|c| fixed(c) && moves(c))
+        })
     }
 
     /// First array whose length is not that of a system, by its name; `None` where the state fits.

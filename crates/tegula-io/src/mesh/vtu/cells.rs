@@ -24,7 +24,7 @@ pub(super) fn cell(kind: i64, points: &[u32]) -> Option<Cell> {
 /// Name of a type of cells.
 pub(super) fn name(kind: i64) -> Option<&'static str> {
     Some(match kind {
-        0 => "empty cell",
+        0 => "cell without points",
         1 => "vertex",
         2 => "poly-vertex",
         3 => "line",

@@ -16,6 +16,8 @@ const MOST_GROUPS: usize = 1000;
 
 /// Quads on the points they use, with sets and fields; all coordinates are multiplied by `scale`.
 pub(super) fn mesh(grid: &Grid, file: String, scale: f64) -> Result<Mesh, Fault> {
+    without_ghosts(&grid.cell_data)?;
+    [&grid.point_data, &grid.cell_data].into_iter().try_for_each(with_own_names)?;
     let quads = quads(grid)?;
     let mut place = vec![None; grid.points.len()];
     quads.iter().flat_map(|(_, quad)| quad).for_each(|&point| place[point as usize] = Some(0));
@@ -84,6 +86,40 @@ fn quads(grid: &Grid) -> Result<Vec<(usize, [u32; 4])>, Fault> {
         return Err(Fault::new("the mesh has more than 4294967295 points or quads", "make a coarser mesh"));
     }
     Ok(out)
+}
+
+/// Array in which VTK marks cells that are hidden, or that other pieces have, too.
+const GHOSTS: &str = "vtkGhostType";
+
+/// Refuses cells that VTK hides or counts twice.
+fn without_ghosts(cells: &Data) -> Result<(), Fault> {
+    for array in cells.arrays.iter().filter(|array| array.name == GHOSTS) {
+        let Numbers::Whole(values) = &array.numbers else { continue };
+        if let Some(number) = values.iter().position(|value| *value != 0) {
+            let message =
+                format!("cell {number} is hidden or a duplicate: its `{GHOSTS}` is {}", values[number]);
+            return Err(Fault::new(message, "write the file without hidden and ghost cells"));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses an array of truth values whose set has the name of a group of another array.
+fn with_own_names(data: &Data) -> Result<(), Fault> {
+    let truths: HashSet<&str> =
+        groups(data).filter(|groups| groups.truth).map(|groups| groups.array.name.as_str()).collect();
+    for groups in groups(data).filter(|groups| !groups.truth && !truths.is_empty()) {
+        for name in (0..groups.values.len()).filter_map(|place| groups.set(place)) {
+            if truths.contains(name.as_str()) {
+                let message = format!(
+                    "the arrays \"{name}\" and \"{}\" both have a set with the name \"{name}\"",
+                    groups.array.name
+                );
+                return Err(Fault::new(message, "rename one of the arrays"));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Array of integers that are groups.

@@ -41,6 +41,10 @@ pub(super) struct Array {
 
 /// Grid of the bytes of a file.
 pub(super) fn read(bytes: &[u8]) -> Result<Grid, Fault> {
+    if bytes.starts_with(b"# vtk DataFile") {
+        let help = "save it as a `.vtu` file, in ParaView or by `meshio convert`";
+        return Err(Fault::new("this is a legacy file of VTK", help));
+    }
     let Parts { text, appended } = split(bytes)?;
     let document = Document::parse(&text).map_err(|error| {
         Fault::new(format!("this is no VTU file, or a damaged one: {error}"), super::DAMAGED)
@@ -60,7 +64,9 @@ impl Grid {
     fn add(&mut self, piece: Node<'_, '_>, source: &Source<'_>) -> Result<(), Fault> {
         let count = |name: &str| -> Result<usize, Fault> {
             let found = piece.attribute(name).and_then(|n| n.trim().parse().ok());
-            found.ok_or_else(|| Fault::damaged(format!("a piece has no `{name}`")).at_line(line(piece)))
+            found.ok_or_else(|| {
+                Fault::damaged(format!("a piece has no `{name}` that is a number")).at_line(line(piece))
+            })
         };
         let [points, cells] = [count("NumberOfPoints")?, count("NumberOfCells")?];
         if [points, cells] == [0, 0] {
@@ -84,7 +90,8 @@ impl Grid {
             array.ok_or_else(|| Fault::damaged("a piece has no array of its points").at_line(line(piece)))?;
         if components(array) != 3 {
             let message = format!("the points have {} coordinates, not 3", components(array));
-            return Err(Fault::damaged(message).at_line(line(array)));
+            let help = "give three coordinates, the third one 0 for a plane mesh";
+            return Err(Fault::new(message, help).at_line(line(array)));
         }
         let numbers = source.numbers(array, points)?;
         self.points.extend(numbers.reals().as_chunks::<3>().0);

@@ -274,6 +274,30 @@ fn mistakes_name_the_array_and_the_remedy() {
     }
 }
 
+/// Cells that ParaView does not show, sets of one name, legacy files, plane points.
+#[test]
+fn files_that_would_be_misunderstood_are_refused() {
+    let whole = String::from_utf8(fs::read(folder().join("vtk-ascii.vtu")).unwrap()).unwrap();
+    let cells = whole.split("NumberOfCells=\"").nth(1).and_then(|rest| rest.split('"').next()).unwrap();
+    let count: usize = cells.parse().unwrap();
+    let array = |kind: &str, name: &str, first: u8, others: u8| {
+        let values: Vec<String> =
+            (0..count).map(|i| if i == 0 { first } else { others }.to_string()).collect();
+        format!(
+            "<DataArray type=\"{kind}\" Name=\"{name}\" format=\"ascii\">{}</DataArray>",
+            values.join(" ")
+        )
+    };
+    let at = whole.find("<CellData").unwrap();
+    let end = at + whole[at..].find('>').unwrap() + 1;
+    let with = |arrays: &str| format!("{}{arrays}{}", &whole[..end], &whole[end..]);
+    read(with(&array("UInt8", "vtkGhostType", 0, 0)).as_bytes()).unwrap();
+    refused(with(&array("UInt8", "vtkGhostType", 32, 0)), "cell 0 is hidden or a duplicate");
+    let both = array("UInt8", "part:3", 1, 0) + &array("Int32", "part", 4, 3);
+    refused(with(&both), "both have a set with the name \"part:3\"");
+    refused("# vtk DataFile Version 3.0\n", "a legacy file of VTK");
+}
+
 #[test]
 fn nested_elements_and_entities_do_no_harm() {
     let whole = String::from_utf8(fs::read(folder().join("vtk-ascii.vtu")).unwrap()).unwrap();
