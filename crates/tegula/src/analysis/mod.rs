@@ -176,7 +176,7 @@ impl State {
         let (frames, dofs) = (&system.frames, system.dofs());
         let mut prescribed = self.u.clone();
         system.prescribe(self.time, &mut prescribed);
-        let fastest = crate::norm::max_norm(self.v.as_flattened());
+        let fastest = self.v.as_flattened().iter().fold(0.0, |most, x| crate::norm::larger(most, x.abs()));
         let given: HashSet<u32> = dofs.prescribed.iter().map(|p| p.dof).collect();
         let turns = |v: usize| dofs.unit.iter().any(|unit| unit.vector as usize == v);
         (0..self.u.len()).filter(|v| !dofs.is_carried(*v) && !turns(*v)).find(|&v| {
