@@ -441,12 +441,17 @@ impl Constraints {
 
 /// Values of all constraints in a state, in the order of its multipliers; 0 for those of friction and stops.
 pub(super) fn values_at(system: &System, state: &State) -> Vec<f64> {
+    values_of(system, (&state.u, state.time), &state.angles)
+}
+
+/// Values of the constraints at displacements and a time, with the angles that a state counts.
+pub(super) fn values_of(system: &System, (u, time): (&[Nodal], f64), angles: &[f64]) -> Vec<f64> {
     let (laws, mut counted) = (Laws::new(system), vec![0.0; system.joints.len()]);
-    count_turns(system, &state.angles, &mut counted);
+    count_turns(system, angles, &mut counted);
     let mut out = vec![0.0; system.constraints()];
-    let motion = Motion::State { u: &state.u, velocity: None };
+    let motion = Motion::State { u, velocity: None };
     for joint in system.joints.iter() {
-        let target = target(system, (&laws, &counted), joint, state.time);
+        let target = target(system, (&laws, &counted), joint, time);
         joint.with_vectors(end_of(system, &motion), |v, _| {
             for (i, row) in joint.multipliers().zip(&joint.rows) {
                 out[i] = row.value(v, target);

@@ -18,7 +18,7 @@ use super::directors::DirectorSeries;
 use super::joint_series;
 use super::series::Series;
 use crate::Result;
-use crate::analysis::constraints::Constraints;
+use crate::analysis::constraints::{Constraints, values_of};
 use crate::analysis::newton::NOTHING_MOVES;
 use crate::analysis::solver::{self, Linearization, TangentSolver as _};
 use crate::analysis::unstable_modes::UnstableModes;
@@ -434,9 +434,10 @@ impl Expansion {
             highest,
         };
         self.assembly.forces_of_order(system, &known, &mut self.stresses, &mut self.field);
-        let forces = self.field.clone();
         let mut next = vec![[0.0; 3]; u.len()];
-        let across = directors.part_across(system, &series.coefficients);
+        let known_forces = if directors.is_empty() { Vec::new() } else { self.field.clone() };
+        let free = directors.is_empty() && self.constraints.is_none();
+        let across = if free { Vec::new() } else { directors.part_across(system, &series.coefficients) };
         if !directors.is_empty() {
             self.assembly.tangent_product(system, &point(system, u, at, &multipliers[0]), &across, &mut next);
             add_multiple(&mut self.field, 1.0, &next);
@@ -449,7 +450,9 @@ impl Expansion {
         let mut of_order = self.solve(&rates)?;
         self.frames.expand(&self.free, &mut next);
         next.as_flattened_mut().iter_mut().for_each(|x| *x = -*x);
-        add_multiple(&mut next, 1.0, &across);
+        if !across.is_empty() {
+            add_multiple(&mut next, 1.0, &across);
+        }
         let load = -system.inner_product(&next, &series.coefficients[0]) / denominator;
         add_multiple(&mut next, load, unit);
         of_order.iter_mut().zip(of_unit).for_each(|(x, unit)| *x = load * unit - *x);
@@ -459,7 +462,7 @@ impl Expansion {
         }
         if !directors.is_empty() {
             let order = ((next.as_slice(), load), multipliers.as_slice());
-            self.take_multipliers(system, (series, &series.coefficients), order, (forces, directors));
+            self.take_multipliers(system, (series, &series.coefficients), order, (known_forces, directors));
         }
         Ok(Some((next, load)))
     }
@@ -478,7 +481,7 @@ impl Expansion {
         let mut residual = vec![0.0; self.free.len()];
         self.residual(system, u, load, &mut residual);
         self.free.copy_from_slice(&residual);
-        let of_increment = self.solve(&joint_series::values(system, u))?;
+        let of_increment = self.solve(&values_of(system, (u, load), &[]))?;
         let mut increment = vec![[0.0; 3]; u.len()];
         self.frames.expand(&self.free, &mut increment);
         Ok(Directions { increment, unit, multipliers: [of_increment, of_unit] })

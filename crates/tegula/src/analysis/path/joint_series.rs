@@ -15,8 +15,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::Vec3;
-use crate::analysis::constraints::gradients_of;
-use crate::element::Nodal;
+use crate::analysis::constraints::{Rates, end_of, gradients_of, joint_rates};
+use crate::constraint::{DriveValue, Joint};
+use crate::element::{Motion, Nodal};
 use crate::system::{LocalFrames, System, VectorKind};
 
 /// Eigenvalue or pivot of the normal equations, scaled to a unit diagonal, over the largest one that is round-off of a dependent constraint.
@@ -24,7 +25,7 @@ const ROUNDING: f64 = 1e-11;
 
 /// Joint whose constraints are no quadratic forms, or depend on a drive, friction or stops; `None` where there is none.
 pub fn without_series(system: &System) -> Option<&str> {
-    let quadratic = |joint: &&crate::constraint::Joint| {
+    let quadratic = |joint: &&Joint| {
         joint.law.is_none() && joint.drive.is_none() && joint.rows.iter().all(|row| row.is_quadratic())
     };
     system.joints.iter().find(|joint| !quadratic(joint)).map(|joint| joint.name.as_str())
@@ -108,58 +109,33 @@ fn weights(system: &System, frames: &LocalFrames) -> Vec<f64> {
 /// Products `G x` of the gradients at displacements with a field, and half the second derivatives along pairs of lower coefficients.
 pub fn rates(system: &System, u: &[Nodal], field: &[Nodal], coefficients: &[Vec<Nodal>]) -> Vec<f64> {
     let mut out = vec![0.0; system.constraints()];
-    let of = |field: &[Nodal], v: u32| Vec3::from(field[v as usize]);
+    let motion = Motion::State { u, velocity: None };
     for joint in system.joints.iter() {
-        let values = |field: &[Nodal]| -> Vec<Vec3> { joint.vectors.iter().map(|&v| of(field, v)).collect() };
-        let (x, lower): (_, Vec<Vec<Vec3>>) =
-            (values(field), coefficients.iter().map(|field| values(field)).collect());
-        joint.with_vectors(
-            |v| of(&system.coordinates.reference, v as u32) + of(u, v as u32),
-            |q, gradient| {
-                for (number, row) in joint.multipliers().zip(&joint.rows) {
-                    gradient.fill(Vec3::zeros());
-                    row.add_gradient(1.0, q, 0.0, gradient);
-                    let along: f64 = gradient.iter().zip(&x).map(|(g, x)| g.dot(x)).sum();
-                    let pairs = lower.iter().zip(lower.iter().rev());
-                    let bent: f64 = pairs.map(|(a, b)| row.second_derivative(a, b)).sum();
-                    out[number] = along + 0.5 * bent;
-                }
-            },
-        );
-    }
-    out
-}
-
-/// Values of the constraints at displacements.
-pub fn values(system: &System, u: &[Nodal]) -> Vec<f64> {
-    let mut out = vec![0.0; system.constraints()];
-    for joint in system.joints.iter() {
-        joint.with_vectors(
-            |v| Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v]),
-            |q, _| {
-                for (number, row) in joint.multipliers().zip(&joint.rows) {
-                    out[number] = row.value(q, 0.0);
-                }
-            },
-        );
+        joint_rates(joint, (end_of(system, &motion), DriveValue::default()), Rates::Along(field), &mut out);
+        let values = |field: &Vec<Nodal>| -> Vec<Vec3> {
+            joint.vectors.iter().map(|&v| Vec3::from(field[v as usize])).collect()
+        };
+        let lower: Vec<Vec<Vec3>> = coefficients.iter().map(values).collect();
+        for (number, row) in joint.multipliers().zip(&joint.rows) {
+            let pairs = lower.iter().zip(lower.iter().rev());
+            out[number] += 0.5 * pairs.map(|(a, b)| row.second_derivative(a, b)).sum::<f64>();
+        }
     }
     out
 }
 
 /// Adds the constraint forces `Gᵀν` at displacements.
 pub fn add_forces(system: &System, u: &[Nodal], multipliers: &[f64], out: &mut [Nodal]) {
+    let motion = Motion::State { u, velocity: None };
     for joint in system.joints.iter() {
-        joint.with_vectors(
-            |v| Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v]),
-            |q, gradient| {
-                for (number, row) in joint.multipliers().zip(&joint.rows) {
-                    row.add_gradient(multipliers[number], q, 0.0, gradient);
-                }
-                for (&v, g) in joint.vectors.iter().zip(gradient.iter()) {
-                    (0..3).for_each(|i| out[v as usize][i] += g[i]);
-                }
-            },
-        );
+        joint.with_vectors(end_of(system, &motion), |q, gradient| {
+            for (number, row) in joint.multipliers().zip(&joint.rows) {
+                row.add_gradient(multipliers[number], q, 0.0, gradient);
+            }
+            for (&v, g) in joint.vectors.iter().zip(gradient.iter()) {
+                (0..3).for_each(|i| out[v as usize][i] += g[i]);
+            }
+        });
     }
 }
 
