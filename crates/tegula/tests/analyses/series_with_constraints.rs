@@ -381,3 +381,38 @@ fn bifurcations_of_free_motions_are_warned_of() {
     held.joints[0] = hinge;
     assert_eq!(warned(&held), (0, false));
 }
+
+/// A strip that is heated between distributing couplings on hinges: forces of couplings and elements cancel at every node, and there are no others. It
+/// buckles as by arc length, where the thrust E A α ΔT is Euler's load.
+#[test]
+fn a_heated_strip_between_distributing_couplings_buckles_as_by_arc_length() {
+    let (young, thickness, width) = (1e9, 0.01_f64, 0.1);
+    let mut m = model(plate([1.0, width], [16, 1], 0.0), young, thickness);
+    let material = Isotropic { expansion: 1e-5, ..Isotropic::new(young, 0.0, 1000.0) };
+    m.materials.insert("m".into(), Material::Isotropic(material));
+    m.sections[0].element = ElementKind::Mitc4;
+    m.conditions.clear();
+    m.loads.clear();
+    let end = |name: &str, x: f64, set: &str| {
+        let mut end = RigidBody::new(name, [x, 0.5 * width, 0.0], 1.0, Some([1.0; 3]));
+        end.distributed = vec![set.into()];
+        end
+    };
+    m.bodies = vec![end("left", 0.0, "u_min"), end("right", 1.0, "u_max")];
+    let hinge =
+        |name: &str, end: &str, x: f64| revolute(name, "ground", end, [x, 0.5 * width, 0.0], [0.0, 1.0, 0.0]);
+    m.joints = vec![hinge("first", "left", 0.0), hinge("second", "right", 1.0)];
+    let euler = (std::f64::consts::PI * thickness).powi(2) / 12.0 / 1e-5;
+    m.prescribed_strains = vec![PrescribedStrain::Thermal(ThermalStrain {
+        on: "all".into(),
+        temperature: 1.2 * euler,
+        gradient: 0.0,
+        amplitude: None,
+        distribution: None,
+    })];
+    m.analysis = Analysis::Path(PathAnalysis { end_load: 1.0, ..Default::default() });
+    let [(_, series, _), (_, arc, _)] = both(&m);
+    let [found, other] = [&series, &arc].map(critical);
+    assert!((1.2 * found[0].load - 1.0).abs() < 1e-2, "{}", 1.2 * found[0].load);
+    assert!((found[0].load / other[0].load - 1.0).abs() < 1e-7, "{} {}", found[0].load, other[0].load);
+}

@@ -236,17 +236,21 @@ impl Expansion {
         Ok(negative)
     }
 
-    /// Residual `λF − f` of a point in the free degrees of freedom, and its size and that of the larger of both forces
-    /// ([`System::force_norm`]).
+    /// Residual `λF − f` of a point in the free degrees of freedom, and its size and that of the largest of loads, internal forces, and internal
+    /// forces without those of joints ([`System::force_norm`]).
     pub fn residual(&mut self, system: &System, u: &[Nodal], load: f64, out: &mut [f64]) -> [f64; 2] {
-        let multipliers = self.multipliers(system, u, load);
-        self.assembly.forces(system, &point(system, u, load, &multipliers), &mut self.field);
         let mut external = vec![[0.0; 3]; self.field.len()];
         system.add_dead_loads(load, 1.0, &mut external);
-        let size = larger(system.force_norm(&self.field), system.force_norm(&external));
-        for (e, f) in external.as_flattened_mut().iter_mut().zip(self.field.as_flattened()) {
-            *e -= f;
+        let multipliers = self.multipliers(system, u, load);
+        let mut size = system.force_norm(&external);
+        if self.constraints.is_some() {
+            // Forces of joints may balance those of the elements at every node.
+            add_multiple(&mut self.field, -1.0, &external);
+            size = larger(size, system.force_norm(&self.field));
         }
+        self.assembly.forces(system, &point(system, u, load, &multipliers), &mut self.field);
+        size = larger(size, system.force_norm(&self.field));
+        add_multiple(&mut external, -1.0, &self.field);
         self.assembly.frames.reduce(&external, out);
         self.assembly.frames.expand(out, &mut external);
         [system.force_norm(&external), size]
