@@ -268,13 +268,12 @@ pub fn rigid_motions(system: &System) -> usize {
     RigidModes::count(system)
 }
 
-/// Factors with the shifts of all groups. Where no stress can make the configuration unstable, shifts whose matrix is
-/// not positive definite are lost in round-off and are moved further below zero.
+/// Factors with the shifts of all groups. Shifts whose matrix is not positive definite are moved further below zero: where no stress can make the
+/// configuration unstable they are lost in round-off, else they are above the lowest eigenvalue.
 fn settle(problem: &mut Problem) -> Result<()> {
     let softening = SOFTENING * problem.softening;
     problem.groups.iter_mut().for_each(|g| g.shift = g.shift.min(-softening));
-    let attempts = if problem.stress_free { ROUNDS } else { 1 };
-    for _ in 0..attempts {
+    for _ in 0..ROUNDS {
         if problem.factor_shifted() {
             return Ok(());
         }
@@ -284,8 +283,8 @@ fn settle(problem: &mut Problem) -> Result<()> {
         hidden("the stiffness is not positive definite".into())
     } else {
         Error::Singular {
-            what: "The stiffness is not positive definite: the configuration is unstable.".into(),
-            help: "Modes about an unstable equilibrium are not computed; check loads and supports.".into(),
+            what: "The stiffness is not positive definite with any shift tried: the configuration is far from stable.".into(),
+            help: "Check loads and supports; with more `modes` the shifts reach further.".into(),
         }
     })
 }

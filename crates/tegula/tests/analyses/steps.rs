@@ -561,3 +561,32 @@ fn linear_steps_scale_with_the_load_before_them() {
         assert!((fast / slow - 1.0).abs() < 1e-9, "{element:?}: {slow} {fast}");
     }
 }
+
+/// A strip compressed to 3.9 times Euler's strain, straight: its first mode grows by `ω² = ω₁² (1 − 3.9)`, written as a negative frequency, and the modes
+/// do not depend on how many of them are wanted.
+#[test]
+fn modes_about_an_unstable_equilibrium_do_not_depend_on_their_number() {
+    let critical = (PI * THICKNESS / LENGTH).powi(2) / 12.0;
+    let mut preload = at_rest("preload");
+    preload.analysis = Analysis::Static(StaticAnalysis { allow_unstable: true, ..StaticAnalysis::default() });
+    let mut model = strip(vec![preload, modes("modes")]);
+    model.conditions[1] = stretched(-3.9 * critical * LENGTH);
+    let mesh = generate(&model.mesh).unwrap();
+    let compiler = Compiler::new(&model, &mesh).unwrap();
+    let system = compiler.system(0, None).unwrap();
+    let Analysis::Static(options) = &compiler.steps()[0].model.analysis else { panic!() };
+    let end = statics::run(&system, options, None, &mut Silent).unwrap().state;
+    let system = compiler.system(1, Some(State::end_of_step(&end))).unwrap();
+    let found = |wanted: u32| -> Vec<f64> {
+        let modes = modal::run(&system, wanted as usize, Some(&end), &mut Silent).unwrap().modes;
+        modes.iter().map(|mode| mode.omega).collect()
+    };
+    let first = (PI / LENGTH).powi(2) * THICKNESS * (YOUNG / (12.0 * DENSITY)).sqrt();
+    let all = found(8);
+    assert!((all[0] / (-(2.9_f64.sqrt()) * first) - 1.0).abs() < 0.01, "{} {first}", all[0]);
+    for wanted in [1, 2, 3, 5] {
+        for (a, b) in found(wanted).iter().zip(&all) {
+            assert!((a / b - 1.0).abs() < 1e-6, "{wanted}: {a} {b}");
+        }
+    }
+}

@@ -12,6 +12,8 @@ use tegula_sparse::lanczos::{BlockLanczos, RitzPair};
 const BASIS_PER_MODE: usize = 40;
 /// Number of modes computed beyond the wanted ones, to find a gap behind them.
 const EXTRA: usize = 4;
+/// Shift over an estimate of the lowest eigenvalue where this is negative.
+const BELOW: f64 = 2.0;
 /// Distance of the shift below zero, as a part of the eigenvalue of the last wanted mode.
 const SHIFT: f64 = 0.05;
 /// Largest number of unknowns of a group that the dense eigensolver takes.
@@ -66,9 +68,12 @@ impl Search {
         let mut lanczos = BlockLanczos::new(&mut operator, self.block());
         while lanczos.len() < (2 * self.wanted + 8).min(elastic) && lanczos.expand(&mut operator) > 0 {}
         go_on(observer)?;
-        let estimate = lanczos.ritz_values().get(self.wanted - 1).map_or(0.0, |v| shift + 1.0 / v.0);
+        let values = lanczos.ritz_values();
+        let eigenvalue = |i: usize| values.get(i).map_or(0.0, |v| shift + 1.0 / v.0);
+        let (lowest, estimate) = (eigenvalue(0), eigenvalue(self.wanted - 1));
         if estimate > 0.0 {
-            problem.groups[self.group].shift = -SHIFT * estimate;
+            // About an unstable equilibrium negative eigenvalues may be the largest ones.
+            problem.groups[self.group].shift = f64::min(-SHIFT * estimate, BELOW * lowest);
         }
         Ok(())
     }
