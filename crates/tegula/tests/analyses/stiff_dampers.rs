@@ -108,3 +108,30 @@ fn a_gain_of_energy_beside_a_stiff_damper_is_told_as_a_part_of_the_work() {
     run(&with_scheme(&dashpot(1e4), generalized, 1.0, 0.01), &mut notes);
     assert!(notes.warnings.is_empty(), "{:?}", notes.warnings);
 }
+
+/// A mass on a damper moves by F t/d − F m/d² at last. What a sudden load adds in the first steps stays, and is told where it matters, also where the
+/// energy of the motion falls.
+#[test]
+fn displacements_that_do_not_follow_velocities_beside_dampers_are_told() {
+    for (radius, damping, is_wrong) in
+        [(0.8, 1e4, false), (0.8, 1e5, true), (0.0, 1e2, false), (0.0, 1e3, true)]
+    {
+        let scheme = Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius: radius });
+        for model in [dashpot(damping), wheel(damping)] {
+            let mut notes = Notes::default();
+            let (system, state) = run(&with_scheme(&model, scheme, 1.0, 0.01), &mut notes);
+            let case = format!("{radius} {damping} {:?}", notes.warnings);
+            assert_eq!(
+                notes.warnings.iter().any(|text| text.contains("do not follow the velocities")),
+                is_wrong,
+                "{case}"
+            );
+            if !model.springs.is_empty() {
+                let [length, _] = spring_lengths_and_forces(&system, &state)[0];
+                let exact = 1.0 / damping - 1.0 / damping.powi(2);
+                let error = ((length - 1.0) / exact - 1.0).abs();
+                assert!(if is_wrong { error > 0.03 } else { error < 0.01 }, "{case}: {error}");
+            }
+        }
+    }
+}

@@ -212,7 +212,15 @@ impl Integrator for Bdf2 {
     }
 
     fn step_work(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> StepWork {
+        if self.newmark.is_damped() {
+            let between = self.newmark.power_of_rates(system, assembly, state, [0.0, 1.0, -1.0]);
+            self.newmark.unresolved += self.newmark.dt * between;
+        }
         self.newmark.work_by_mean_rates(system, assembly, state)
+    }
+
+    fn unresolved(&self) -> f64 {
+        self.newmark.unresolved
     }
 
     fn tolerances(&self, max_iterations: u32) -> Tolerances {

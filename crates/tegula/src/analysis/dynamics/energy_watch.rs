@@ -106,23 +106,30 @@ impl EnergyWatch {
         }
     }
 
-    /// Looks at the energies at the end of a step with this number; `scale` is the largest energy so far. The first steps are judged
+    /// Looks at the energies at the end of a step with this number; `scale` is the largest energy so far, and `unresolved` that of dampers in rates which
+    /// the displacements do not follow. The first steps are judged
     /// together, at the last of them, when loads have done more work than in the very first one.
     pub fn look(
         &mut self,
         system: &System,
-        (balance, scale): (&Balance, f64),
+        (balance, scale, unresolved): (&Balance, f64, f64),
         (step, Span { end: time, dt }, last): (u64, Span, bool),
         observer: &mut dyn Observer,
     ) {
         let supplied = self.supplied.up_to(balance);
+        let judged = step == FIRST_STEPS || last && step < FIRST_STEPS;
+        if judged && system.has_springs() && unresolved > REPORTED_AT_FIRST * supplied {
+            observer.on_warning(&format!(
+                "time {time:.6e}: in the first steps displacements beside dampers do not follow the velocities, and stay wrong: a damper is much \
+                 stiffer than the mass over the step; take the scheme \"energy-momentum\", shorter steps, or loads that grow from 0"
+            ));
+        }
         self.lowest = self.lowest.min(balance.total);
         let since_start = balance.total - self.total;
         if !self.led && since_start > energy_of_round_off(system, dt) {
             self.largest = larger(self.largest, since_start);
         }
-        if (step == FIRST_STEPS || last && step < FIRST_STEPS) && self.largest > REPORTED_AT_FIRST * supplied
-        {
+        if judged && self.largest > REPORTED_AT_FIRST * supplied {
             observer.on_warning(&format!(
                 "time {time:.6e}: in the first steps the motion has gained an energy of {:.3e}, where loads and initial state supply {:.3e}: \
                  vibrations much faster than the steps, such as those of the thickness behind sudden loads or temperatures, overshoot, and \

@@ -231,6 +231,10 @@ impl Integrator for GeneralizedAlpha {
         work
     }
 
+    fn unresolved(&self) -> f64 {
+        self.newmark.unresolved
+    }
+
     fn tolerances(&self, max_iterations: u32) -> Tolerances {
         if self.sharp {
             Tolerances { energy: 1e-20, increment: 1e-8, max_iterations }

@@ -81,6 +81,11 @@ pub trait Integrator: Equation + Send {
     fn local_error(&mut self, system: &System, newton: &mut Newton, state: &State) -> f64;
     /// External work (of loads other than constant gravity, of actuators, and of prescribed motions) and dissipation of the step.
     fn step_work(&mut self, system: &System, assembly: &mut Assembly, state: &State) -> StepWork;
+    /// Energy that dampers would dissipate with the difference between velocities and the mean rates Δu/Δt of the steps, over all steps so far; 0 for
+    /// schemes in which both belong together.
+    fn unresolved(&self) -> f64 {
+        0.0
+    }
     /// Lengths of the sub-steps of which a step is composed, over the length of the step.
     fn sub_steps(&self) -> &'static [f64] {
         &[1.0]

@@ -107,6 +107,8 @@ pub struct Newmark {
     mass_damping: f64,
     /// Lagrange multipliers of joints.
     pub(super) multipliers: Vec<f64>,
+    /// Energy that dampers would dissipate with the difference of velocities and mean rates, over all steps.
+    pub(super) unresolved: f64,
 }
 
 impl Newmark {
@@ -138,6 +140,7 @@ impl Newmark {
             damped: system.has_rate_damping(),
             mass_damping: system.mass_damping,
             multipliers: vec![0.0; system.constraints()],
+            unresolved: 0.0,
         }
     }
 
@@ -396,6 +399,10 @@ impl Integrator for Newmark {
         StepWork { work, dissipated: dissipated + noise }
     }
 
+    fn unresolved(&self) -> f64 {
+        self.unresolved
+    }
+
     fn tolerances(&self, max_iterations: u32) -> Tolerances {
         Tolerances { energy: 1e-12, increment: 1e-3, max_iterations }
     }
@@ -444,25 +451,39 @@ impl Newmark {
         assembly: &mut Assembly,
         state: &State,
     ) -> f64 {
-        if !self.damped && self.mass_damping == 0.0 {
+        if !self.is_damped() {
             return 0.0;
         }
+        let mut power = |of| self.power_of_rates(system, assembly, state, of);
+        let [ends, mean, between] = [power([0.5, 0.5, 0.0]), power([0.0, 0.0, 1.0]), power([0.5, 0.5, -1.0])];
+        self.unresolved += self.dt * between;
+        0.5 * self.dt * (ends - mean - between)
+    }
+
+    /// Whether forces depend on velocities.
+    pub(super) fn is_damped(&self) -> bool {
+        self.damped || self.mass_damping != 0.0
+    }
+
+    /// Power that dampers dissipate in the middle of the step with these parts of the velocities at its start and its end, and of the mean rate Δu/Δt.
+    pub(super) fn power_of_rates(
+        &mut self,
+        system: &System,
+        assembly: &mut Assembly,
+        state: &State,
+        [start, end, mean]: [f64; 3],
+    ) -> f64 {
         let Self { u, v, u_old, v_old, dt, buffer: middle, reaction: rate, .. } = self;
         for n in 0..u.len() {
             middle[n] = std::array::from_fn(|i| 0.5 * (u_old[n][i] + u[n][i]));
+            rate[n] = std::array::from_fn(|i| {
+                start * v_old[n][i] + end * v[n][i] + mean * ((u[n][i] - u_old[n][i]) / *dt)
+            });
         }
-        let mut power = |of: [f64; 2]| {
-            for n in 0..u.len() {
-                rate[n] = std::array::from_fn(|i| {
-                    of[0] * 0.5 * (v_old[n][i] + v[n][i]) + of[1] * ((u[n][i] - u_old[n][i]) / *dt)
-                });
-            }
-            let motion = Motion::State { u: middle, velocity: Some(rate) };
-            let internal = Internal { history: &state.history, multipliers: &self.multipliers };
-            let k = EvaluationPoint::new(system, motion, self.time, internal);
-            assembly.dissipated_power(system, &k) + 2.0 * self.mass_damping * system.kinetic_energy(rate)
-        };
-        0.5 * *dt * (power([1.0, 0.0]) - power([0.0, 1.0]) - power([1.0, -1.0]))
+        let motion = Motion::State { u: middle, velocity: Some(rate) };
+        let internal = Internal { history: &state.history, multipliers: &self.multipliers };
+        let k = EvaluationPoint::new(system, motion, self.time, internal);
+        assembly.dissipated_power(system, &k) + 2.0 * self.mass_damping * system.kinetic_energy(rate)
     }
 
     /// Adds the constraint forces of inextensible directors at the start of the step.

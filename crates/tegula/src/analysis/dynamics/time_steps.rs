@@ -368,7 +368,7 @@ impl<'a> TimeSteps<'a> {
         drilling.look(system, at, observer, || format!("time {:.6e}", state.time));
         bending.look(system, at.0, observer, || format!("time {:.6e}", state.time));
         if !self.options.scheme.conserves_energy() && !self.options.scheme.is_kinematic() {
-            let energies = (&self.balance, state.energy_scale);
+            let energies = (&self.balance, state.energy_scale, scheme.unresolved());
             self.energies.look(system, energies, (state.step, span, last), observer);
         }
         self.rotations.look(system, at, scheme.sub_steps(), observer);
