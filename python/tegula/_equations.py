@@ -28,8 +28,15 @@ def _sparse() -> Any:
     return scipy.sparse
 
 
-def _field(values: npt.ArrayLike | None) -> NDArray[np.float64] | None:
-    return None if values is None else np.asarray(values, dtype=np.float64)
+def _array(name: str, values: npt.ArrayLike | None, dimensions: int) -> NDArray[np.float64] | None:
+    """Values of a caller as an array, unless there are none."""
+    if values is None:
+        return None
+    array = np.asarray(values, dtype=np.float64)
+    if array.ndim != dimensions:
+        expected = "(V, 3) with a row for each nodal vector" if dimensions == 2 else "(n,)"
+        raise ValueError(f"{name}: the shape is {array.shape}, and {expected} is expected")
+    return array
 
 
 class State:
@@ -94,13 +101,21 @@ class State:
     ) -> State:
         """A state with other values in place of those given; all else, such as history variables of materials, stays.
 
-        Directors given for inextensible ones must have the length 1, and those of bodies must be orthonormal: `Equations.moved` keeps them so.
+        Directors given for inextensible ones must have the length 1, and those of bodies must be orthonormal, as `Equations.moved` keeps them: simulations
+        do not start elsewhere.
 
         Raises:
             ValueError: an array has another shape than that of the state, or a value is not finite.
         """
-        fields = map(_field, (displacements, velocities, accelerations, multipliers))
-        return State._of(self._state.replaced(time, *fields))
+        return State._of(
+            self._state.replaced(
+                time,
+                _array("displacements", displacements, 2),
+                _array("velocities", velocities, 2),
+                _array("accelerations", accelerations, 2),
+                _array("multipliers", multipliers, 1),
+            )
+        )
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, State):
@@ -122,8 +137,15 @@ class State:
         return f"<tegula.State at {self.time:g} after {self.step} steps, of {len(self.displacements)} nodal vectors>"
 
 
-def _loaded(dump: bytes, middle: NDArray[np.float64], analysis: str) -> State:
-    return State._of(CompiledState.load(dump, middle, analysis))
+def _loaded(dump: bytes, middle: NDArray[np.float64], analysis: str, mesh: int) -> State:
+    return State._of(CompiledState.load(dump, middle, analysis, mesh))
+
+
+def compiled(state: object) -> CompiledState:
+    """Compiled part of a state that a caller has given."""
+    if not isinstance(state, State):
+        raise TypeError(f"a tegula.State is expected, not {type(state).__name__}")
+    return state._state
 
 
 class Equations:
@@ -207,7 +229,7 @@ class Equations:
         Raises:
             ValueError: the state belongs to another model, or the increment has another length or values that are not finite.
         """
-        return State._of(self._equations.moved(state._state, np.asarray(increment, dtype=np.float64)))
+        return State._of(self._equations.moved(compiled(state), _array("increment", increment, 1)))
 
     def residual(self, state: State) -> NDArray[np.float64]:
         """Residual r, n values: external less internal, constraint, inertia and damping forces.
@@ -219,7 +241,7 @@ class Equations:
             ValueError: the state belongs to another model.
             AnalysisError: forces are not finite, as those of inverted elements.
         """
-        return self._equations.residual(state._state)
+        return self._equations.residual(compiled(state))
 
     def tangent(self, state: State) -> csc_array:
         """Tangent stiffness K = ∂(f + Gᵀλ − F)/∂u, n × n, of `scipy.sparse`: minus the derivative of the residual.
@@ -232,7 +254,7 @@ class Equations:
             ValueError: the state belongs to another model, or the analysis has no tangent (explicit steps, iterative linear solver).
             AnalysisError: stiffnesses are not finite.
         """
-        symmetric, (rows, columns, values) = self._equations.tangent(state._state)
+        symmetric, (rows, columns, values) = self._equations.tangent(compiled(state))
         matrix = self._square(symmetric)
         if len(values):
             shape = (self.unknowns, self.unknowns)
@@ -244,7 +266,7 @@ class Equations:
 
         Raises: as `tangent`.
         """
-        return self._square(self._equations.mass(state._state))
+        return self._square(self._equations.mass(compiled(state)))
 
     def constraints(self, state: State) -> tuple[NDArray[np.float64], csr_array]:
         """Values g of the m constraints of joints, and their gradients G, m × n, of `scipy.sparse`.
@@ -257,7 +279,7 @@ class Equations:
             ValueError: the state belongs to another model.
         """
         sparse = _sparse()
-        values, (pointers, numbers, entries) = self._equations.constraints(state._state)
+        values, (pointers, numbers, entries) = self._equations.constraints(compiled(state))
         return values, sparse.csr_array((entries, numbers, pointers), shape=(len(values), self.unknowns))
 
     def expansion(self, state: State) -> csr_array:
@@ -270,7 +292,7 @@ class Equations:
             ValueError: the state belongs to another model.
         """
         sparse = _sparse()
-        pointers, numbers, entries = self._equations.expansion(state._state)
+        pointers, numbers, entries = self._equations.expansion(compiled(state))
         return sparse.csr_array((entries, numbers, pointers), shape=(len(pointers) - 1, self.unknowns))
 
     def _square(self, columns: Compressed) -> Any:

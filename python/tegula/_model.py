@@ -9,7 +9,7 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
-from ._equations import Equations, State, equations_of
+from ._equations import Equations, State, compiled, equations_of
 from ._errors import AnalysisError, OutputError, TegulaError, warn
 from ._folder import TemporaryFolder
 from ._process import use_threads
@@ -157,7 +157,7 @@ class Model:
         use_threads()
         if isinstance(signals, str):
             signals = [signals]
-        steps = self._deck.steps(list(signals), None if start is None else start._state)
+        steps = self._deck.steps(list(signals), None if start is None else compiled(start))
         warn(steps.warnings(), 2)
         return Simulation(steps)
 

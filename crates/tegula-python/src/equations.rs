@@ -138,7 +138,7 @@ impl Equations {
         let system = self.system();
         let mut state = analysis::State { time, ..analysis::State::unloaded(system) };
         system.prescribe(time, &mut state.u);
-        Ok(State::new(state, ""))
+        Ok(State::new(state, "", system))
     }
 
     /// State behind an increment of the free degrees of freedom.

@@ -326,7 +326,7 @@ impl Steps {
     /// The present state.
     fn state(&self, py: Python<'_>) -> state::State {
         let of = |prepared: &Prepared, stepper: &dyn Stepper| {
-            state::State::new(stepper.state().clone(), kind(&prepared.model.analysis))
+            state::State::new(stepper.state().clone(), &kind(&prepared.model.analysis), &prepared.system)
         };
         self.read(py, of)
     }

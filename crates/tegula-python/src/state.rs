@@ -9,8 +9,8 @@ use tegula::System;
 use tegula::analysis;
 use tegula::element::Nodal;
 
-/// A state as bytes, with the displacements in the middle of its last step, which these lack, and its analysis.
-type Dump<'py> = (Bound<'py, PyBytes>, Bound<'py, PyArray2<f64>>, String);
+/// A state as bytes, with the displacements in the middle of its last step, which these lack, its analysis, and the fingerprint of its mesh.
+type Dump<'py> = (Bound<'py, PyBytes>, Bound<'py, PyArray2<f64>>, String, u64);
 
 /// A field of three components as an array with a row for each vector.
 pub fn rows<'py>(py: Python<'py>, values: Vec<Nodal>) -> PyResult<Bound<'py, PyArray2<f64>>> {
@@ -24,18 +24,24 @@ pub struct State {
     state: analysis::State,
     /// Analysis that has reached the state; empty: none has.
     analysis: String,
+    /// Fingerprint of the system to which the state belongs.
+    mesh: u64,
     fields: [PyOnceLock<Py<PyArray2<f64>>>; 3],
 }
 
 impl State {
-    /// State for Python, with the name of the analysis that has reached it.
-    pub fn new(state: analysis::State, analysis: impl Into<String>) -> Self {
-        Self { state, analysis: analysis.into(), fields: std::array::from_fn(|_| PyOnceLock::new()) }
+    /// State of a system for Python, with the name of the analysis that has reached it.
+    pub fn new(state: analysis::State, analysis: &str, system: &System) -> Self {
+        Self::with(state, analysis.to_owned(), system.fingerprint())
+    }
+
+    fn with(state: analysis::State, analysis: String, mesh: u64) -> Self {
+        Self { state, analysis, mesh, fields: std::array::from_fn(|_| PyOnceLock::new()) }
     }
 
     /// Another state, from this one.
     pub fn changed(&self, state: analysis::State) -> Self {
-        Self::new(state, self.analysis.clone())
+        Self::with(state, self.analysis.clone(), self.mesh)
     }
 
     /// State, if an analysis of a system can start there.
@@ -51,6 +57,15 @@ impl State {
                 system.coordinates.nodes[v]
             )));
         }
+        if let Some(v) = state.distorted_director(system) {
+            let what = match system.coordinates.body_of(v) {
+                Some(body) => format!("the directors of body \"{}\" are not orthonormal", body.name),
+                None => {
+                    format!("the director of node {} has not its length of 1", system.coordinates.nodes[v])
+                }
+            };
+            return Err(PyValueError::new_err(format!("{what}: Equations.moved keeps directors so")));
+        }
         if self.analysis == analysis {
             return Ok(state);
         }
@@ -64,10 +79,13 @@ impl State {
     /// State, if it fits a system.
     ///
     /// # Errors
-    /// Its arrays have other lengths.
+    /// Its arrays have other lengths, or it belongs to another mesh.
     pub fn of(&self, system: &System) -> PyResult<&analysis::State> {
         match self.state.misfit(system) {
-            None => Ok(&self.state),
+            None if self.mesh == system.fingerprint() => Ok(&self.state),
+            None => Err(PyValueError::new_err(
+                "the state belongs to another model: its nodes or its elements are others",
+            )),
             Some(array) => Err(PyValueError::new_err(format!(
                 "the state belongs to another model: its array `{array}` has another length"
             ))),
@@ -199,19 +217,27 @@ impl State {
 
     /// Whether all data of another state are equal.
     fn equals(&self, other: &Bound<'_, Self>) -> bool {
-        self.state == other.get().state && self.analysis == other.get().analysis
+        self.state == other.get().state
+            && self.analysis == other.get().analysis
+            && self.mesh == other.get().mesh
     }
 
     /// Data of a pickle.
     fn dump<'py>(&self, py: Python<'py>) -> PyResult<Dump<'py>> {
         let bytes = py.detach(|| rmp_serde::to_vec_named(&self.state));
         let bytes = bytes.map_err(|error| PyValueError::new_err(error.to_string()))?;
-        Ok((PyBytes::new(py, &bytes), rows(py, self.state.middle.clone())?, self.analysis.clone()))
+        Ok((PyBytes::new(py, &bytes), rows(py, self.state.middle.clone())?, self.analysis.clone(), self.mesh))
     }
 
     /// State of [`dump`](Self::dump).
     #[staticmethod]
-    fn load(py: Python<'_>, bytes: &[u8], middle: PyReadonlyArray2<f64>, analysis: String) -> PyResult<Self> {
+    fn load(
+        py: Python<'_>,
+        bytes: &[u8],
+        middle: PyReadonlyArray2<f64>,
+        analysis: String,
+        mesh: u64,
+    ) -> PyResult<Self> {
         let state = py.detach(|| rmp_serde::from_slice::<analysis::State>(bytes));
         let mut state = state.map_err(|error| {
             PyValueError::new_err(format!(
@@ -219,6 +245,6 @@ impl State {
             ))
         })?;
         state.middle = given("middle", middle.as_array().nrows(), &middle)?;
-        Ok(Self::new(state, analysis))
+        Ok(Self::with(state, analysis, mesh))
     }
 }

@@ -5,81 +5,150 @@
 //! motions that have a strain energy above the round-off of its terms, as the bending of thin shells has; a basis
 //! in which each motion moves few bodies follows by elimination with complete pivoting.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::State;
 use super::constraints::gradients_at;
+use super::{State, equilibrium};
 use crate::Vec3;
 use crate::element::{Nodal, TangentRequest, TangentWeights, VectorKind};
 use crate::system::dof_map::CONSTRAINED;
-use crate::system::{Assembly, LocalFrames, System};
+use crate::system::{LocalFrames, System};
+use tegula_sparse::SymmetricPattern;
 use tegula_sparse::norm::larger;
 
 /// Largest number of degrees of freedom of which the null space is computed: the matrix is dense.
 const MOST: usize = 600;
+/// Largest number of degrees of freedom of a model whose equilibrium is searched, too.
+const MOST_AT_EQUILIBRIUM: usize = 200;
 /// Singular value over the largest one that is round-off.
 const ROUND_OFF: f64 = 1e-9;
 /// Strain energy over the sum of its absolute terms that is round-off, and that over the energy of a unit motion of the stiffest degree of freedom: motions
 /// that strain nothing have terms of round-off alone.
 const NO_ENERGY: f64 = 1e-13;
 const NO_STIFFNESS: f64 = 1e-24;
+/// Most iterations for the eigenvalues of the stiffness along free motions.
+const MOST_ITERATIONS: usize = 10_000;
 /// Part of a motion, over the largest one, that is round-off.
 const NOTHING: f64 = 1e-7;
 
 /// Motions that joints, supports, springs and elastic parts leave free in a state, each as text; none where the model is too large for the
 /// search. Where their `number` is known, they are those of the smallest singular values.
 pub(super) fn free_motions(system: &System, state: &State, number: Option<usize>) -> Vec<String> {
-    let n = system.unknowns();
-    if n == 0 || n > MOST || system.coordinates.bodies.is_empty() {
+    Mobility::of(system, state, number).map_or_else(Vec::new, |mobility| mobility.describe(system, state))
+}
+
+/// Free motions of an equilibrium which neither stresses nor loads hold or drive, each as text: every position along them is an equilibrium.
+/// None where the model has no joints, or more than a few hundred degrees of freedom.
+pub(super) fn neutral_motions(system: &System, state: &State) -> Vec<String> {
+    if system.unknowns() > MOST_AT_EQUILIBRIUM || !system.is_mechanism() {
         return Vec::new();
     }
-    let mut assembly = Assembly::for_forces(system);
-    assembly.follow(system, &state.point(system));
-    let frames = &assembly.frames;
-    let lengths = lengths(system);
-    let mut rows: Vec<Vec<f64>> = gradients_at(system, frames, state)
-        .into_iter()
-        .map(|gradient| {
-            let mut row = vec![0.0; n];
-            gradient.into_iter().for_each(|(number, x)| row[number as usize] += x);
-            row
-        })
-        .collect();
-    let stiffness = stiffness_rows(system, state, frames);
-    rows.extend(stiffness.iter().map(|(_, row)| row.clone()));
-    for row in &mut rows {
-        row.iter_mut().zip(&lengths).for_each(|(x, length)| *x *= length);
-        let size = row.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if size > 0.0 {
-            row.iter_mut().for_each(|x| *x /= size);
+    let Some(mut mobility) = Mobility::of(system, state, None).filter(|found| found.basis.ncols() > 0) else {
+        return Vec::new();
+    };
+    match equilibrium::tangent(system, state) {
+        Ok((pattern, values)) => mobility.retain_neutral(&pattern, &values),
+        Err(_) => return Vec::new(),
+    }
+    mobility.describe(system, state)
+}
+
+/// Reason why an equilibrium of a mechanism is refused that is one of many.
+pub(super) fn told_neutral(motions: &[String]) -> String {
+    format!(
+        "the model is a mechanism: joints, springs and supports leave {} motion(s) free which the loads neither hold nor drive: {}. Every position \
+         along them is an equilibrium",
+        motions.len(),
+        motions.join("; ")
+    )
+}
+
+/// Free motions of a state: an orthonormal basis of their degrees of freedom, those of positions divided by the length of the model.
+struct Mobility {
+    basis: DMatrix<f64>,
+    lengths: Vec<f64>,
+    frames: LocalFrames,
+}
+
+impl Mobility {
+    fn of(system: &System, state: &State, number: Option<usize>) -> Option<Self> {
+        let n = system.unknowns();
+        if n == 0 || n > MOST || system.coordinates.bodies.is_empty() {
+            return None;
         }
+        let frames = equilibrium::frames(system, state);
+        let lengths = lengths(system);
+        let mut rows: Vec<Vec<f64>> = gradients_at(system, &frames, state)
+            .into_iter()
+            .map(|gradient| {
+                let mut row = vec![0.0; n];
+                gradient.into_iter().for_each(|(number, x)| row[number as usize] += x);
+                row
+            })
+            .collect();
+        let stiffness = stiffness_rows(system, state, &frames);
+        rows.extend(stiffness.iter().map(|(_, row)| row.clone()));
+        for row in &mut rows {
+            row.iter_mut().zip(&lengths).for_each(|(x, length)| *x *= length);
+            let size = row.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if size > 0.0 {
+                row.iter_mut().for_each(|x| *x /= size);
+            }
+        }
+        // As many rows as columns at least: the decomposition has the whole null space then.
+        let matrix = DMatrix::from_fn(rows.len().max(n), n, |i, j| rows.get(i).map_or(0.0, |row| row[j]));
+        let svd = matrix.svd(false, true);
+        let largest = svd.singular_values.iter().copied().fold(0.0, larger);
+        let right = svd.v_t?;
+        let own = stiffness.iter().map(|(i, row)| row[*i].abs() * lengths[*i] * lengths[*i]);
+        let least = NO_STIFFNESS * own.fold(0.0, larger);
+        let mut free: Vec<usize> = (0..n).collect();
+        free.sort_by(|&i, &j| svd.singular_values[i].total_cmp(&svd.singular_values[j]));
+        let is_free = |i: &usize| {
+            let motion: Vec<f64> = (0..n).map(|j| right[(*i, j)] * lengths[j]).collect();
+            svd.singular_values[*i] <= ROUND_OFF * largest && !has_energy(&stiffness, &motion, least)
+        };
+        match number {
+            Some(number) => free.truncate(number),
+            None => free.retain(is_free),
+        }
+        let basis = DMatrix::from_fn(n, free.len(), |i, j| right[(free[j], i)]);
+        Some(Self { basis, lengths, frames })
     }
-    // As many rows as columns at least: the decomposition has the whole null space then.
-    let matrix = DMatrix::from_fn(rows.len().max(n), n, |i, j| rows.get(i).map_or(0.0, |row| row[j]));
-    let svd = matrix.svd(false, true);
-    let largest = svd.singular_values.iter().copied().fold(0.0, larger);
-    let Some(right) = svd.v_t else { return Vec::new() };
-    let own = stiffness.iter().map(|(i, row)| row[*i].abs() * lengths[*i] * lengths[*i]);
-    let least = NO_STIFFNESS * own.fold(0.0, larger);
-    let mut free: Vec<usize> = (0..n).collect();
-    free.sort_by(|&i, &j| svd.singular_values[i].total_cmp(&svd.singular_values[j]));
-    let is_free = |i: &usize| {
-        let motion: Vec<f64> = (0..n).map(|j| right[(*i, j)] * lengths[j]).collect();
-        svd.singular_values[*i] <= ROUND_OFF * largest && !has_energy(&stiffness, &motion, least)
-    };
-    match number {
-        Some(number) => free.truncate(number),
-        None => free.retain(is_free),
+
+    /// Leaves the motions along which the tangent with this pattern and these values has no stiffness but round-off of its terms.
+    fn retain_neutral(&mut self, pattern: &SymmetricPattern, values: &[f64]) {
+        let (n, k) = self.basis.shape();
+        let motions = DMatrix::from_fn(n, k, |i, j| self.basis[(i, j)] * self.lengths[i]);
+        let sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
+        let (mut forces, mut terms) = (DMatrix::zeros(n, k), 0.0);
+        for (motion, mut force) in motions.column_iter().zip(forces.column_iter_mut()) {
+            pattern.add_product(values, motion.into_owned().as_slice(), force.as_mut_slice());
+            let size: Vec<f64> = motion.iter().map(|x| x.abs()).collect();
+            let mut product = vec![0.0; n];
+            pattern.add_product(&sizes, &size, &mut product);
+            terms = larger(terms, size.iter().zip(&product).map(|(a, b)| a * b).sum());
+        }
+        let restricted = motions.tr_mul(&forces);
+        let Some(modes) = SymmetricEigen::try_new(restricted, f64::EPSILON, MOST_ITERATIONS) else { return };
+        let neutral: Vec<usize> =
+            (0..k).filter(|&i| modes.eigenvalues[i].abs() <= NO_ENERGY * terms).collect();
+        let directions = DMatrix::from_fn(k, neutral.len(), |i, j| modes.eigenvectors[(i, neutral[j])]);
+        self.basis = &self.basis * directions;
     }
-    let mut basis = DMatrix::from_fn(n, free.len(), |i, j| right[(free[j], i)]);
-    eliminate(&mut basis);
-    let describe_column = |column: usize| {
-        let free: Vec<f64> = (0..n).map(|i| basis[(i, column)] * lengths[i]).collect();
-        let mut field = vec![[0.0; 3]; system.vectors()];
-        frames.expand(&free, &mut field);
-        describe(system, &state.u, &field)
-    };
-    (0..free.len()).filter_map(describe_column).collect()
+
+    /// Motions as text, in a basis in which each of them moves few bodies.
+    fn describe(mut self, system: &System, state: &State) -> Vec<String> {
+        eliminate(&mut self.basis);
+        let (n, columns) = self.basis.shape();
+        let describe_column = |column: usize| {
+            let free: Vec<f64> = (0..n).map(|i| self.basis[(i, column)] * self.lengths[i]).collect();
+            let mut field = vec![[0.0; 3]; system.vectors()];
+            self.frames.expand(&free, &mut field);
+            describe(system, &state.u, &field)
+        };
+        (0..columns).filter_map(describe_column).collect()
+    }
 }
 
 /// Sizes of unit motions of the degrees of freedom: those of positions are multiplied by the length of the model.

@@ -29,7 +29,7 @@ use crate::Result;
 use crate::constraint::CoordinateState;
 use crate::element::{Motion, Nodal};
 use crate::system::dof_map::CONSTRAINED;
-use crate::system::{EvaluationPoint, Internal, StepStart, System};
+use crate::system::{EvaluationPoint, Internal, StepStart, System, VectorKind};
 use lagged_tangent::LaggedTangent;
 pub use newton::Stability;
 pub use stepper::Stepper;
@@ -120,6 +120,8 @@ pub struct State {
 
 /// Displacement over the size of the model, and velocity over the largest one, of a support that is round-off.
 const AT_SUPPORT: f64 = 1e-9;
+/// Distance of an inextensible director from one of unit length that is round-off.
+const OFF_UNIT: f64 = 1e-6;
 
 impl State {
     /// First state of an analysis step: where the step before has ended, or the reference configuration at rest.
@@ -190,6 +192,15 @@ impl State {
             };
             apart || (0..3).any(|c| fixed(c) && moves(c))
         })
+    }
+
+    /// Nodal vector of the state that is an inextensible director or one of a body, and is not of unit length or not perpendicular to the others of its
+    /// body; `None` where there is none.
+    pub fn distorted_director(&self, system: &System) -> Option<usize> {
+        let mut projected = self.u.clone();
+        dynamics::project_unit_vectors(system, &mut projected);
+        let apart = |v: usize| (0..3).any(|i| !((projected[v][i] - self.u[v][i]).abs() <= OFF_UNIT));
+        (0..self.u.len()).find(|&v| system.coordinates.kinds[v] == VectorKind::Director && apart(v))
     }
 
     /// First array whose length is not that of a system, by its name; `None` where the state fits.

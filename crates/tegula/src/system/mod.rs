@@ -15,6 +15,7 @@ mod drives;
 pub mod element_frequency;
 pub mod evaluation_point;
 pub mod fields;
+mod fingerprint;
 mod force_laws;
 pub(crate) mod inertia_relief;
 mod inverted_element;

@@ -28,7 +28,7 @@ fn run(model: &Model, observer: &mut dyn Observer) -> (System, State) {
     (system, outcome.state)
 }
 
-fn rectangle(size: [f64; 2]) -> BeamSection {
+pub fn rectangle(size: [f64; 2]) -> BeamSection {
     BeamSection::Rectangle(RectangularSection { size })
 }
 

@@ -64,6 +64,7 @@ mod modes_with_joints;
 mod multibody;
 mod nearest_assembly;
 mod nearest_positions;
+mod neutral_equilibria;
 mod nonlinear_materials;
 mod opposite_crossings;
 mod outlines;

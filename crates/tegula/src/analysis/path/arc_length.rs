@@ -17,7 +17,7 @@ mod without_potential;
 
 use super::critical_points::Found;
 use super::series::Series;
-use super::start::{away_from_critical_point, forward, in_equilibrium};
+use super::start::{away_from_critical_point, forward, hold_mechanisms, in_equilibrium};
 use super::state::{
     ArcStart, CriticalKind, CriticalPoint, ExpansionPoint, PathState, ended_early, not_continued,
 };
@@ -444,6 +444,7 @@ impl Stepper for ArcLengthSteps<'_> {
             let outcome = self.step_away(direction, observer);
             let outcome = outcome.map_err(|reason| not_continued(self.system, &self.state, &reason))?;
             self.accept(outcome, observer);
+            hold_mechanisms(self.system, &self.state)?;
             return Ok((self.statistics.iterations - before) as u32);
         }
         let arc = self.start_of_step().map_err(|reason| not_continued(self.system, &self.state, &reason))?;
@@ -456,6 +457,7 @@ impl Stepper for ArcLengthSteps<'_> {
             match outcome {
                 Ok(outcome) => {
                     self.accept(outcome, observer);
+                    hold_mechanisms(self.system, &self.state)?;
                     break;
                 }
                 Err(_) if observer.interrupted() => return Err(Error::Interrupted),

@@ -52,13 +52,13 @@ pub fn primary_direction(
 /// Finds an equilibrium on the path that crosses at a bifurcation (displacements, load factor), on the side of `mode`.
 ///
 /// # Errors
-/// None was found.
+/// None was found, or none before a wanted load factor, which is told.
 pub fn onto_branch(
     system: &System,
     expansion: &mut Expansion,
     at: (&[Nodal], f64),
     (mode, end_load): (&[Nodal], f64),
-) -> Result<Branch, String> {
+) -> Result<Branch, Option<f64>> {
     let mut distance = FIRST;
     let mut passed = None;
     for _ in 0..HALVINGS {
@@ -70,7 +70,7 @@ pub fn onto_branch(
         }
         distance *= 0.5;
     }
-    Err(not_found(passed))
+    Err(passed)
 }
 
 /// Wanted load factor, or that of the end of the path, between a bifurcation and the first point of a crossing path.

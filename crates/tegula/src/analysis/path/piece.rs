@@ -89,7 +89,8 @@ impl Start {
             );
         }
         let at = (point.u.as_slice(), point.load);
-        let Branch { u, load, negative } = onto_branch(system, expansion, at, (direction, options.end_load))?;
+        let Branch { u, load, negative } =
+            onto_branch(system, expansion, at, (direction, options.end_load)).map_err(branch::not_found)?;
         let directions = expansion.directions(system, &u, load)?;
         let direction = direction.to_vec();
         let point = ExpansionPoint { u, load, direction, ..point };
@@ -106,13 +107,13 @@ impl Start {
 pub struct NoPiece {
     /// Reason, as text.
     pub reason: String,
-    /// Whether there is a series, but no equilibrium on the crossing path to which it was to go over.
-    pub without_branch: bool,
+    /// Whether there is a series that was to go over to a crossing path, on which a wanted load factor is too near.
+    pub wanted_too_near: bool,
 }
 
 impl From<String> for NoPiece {
     fn from(reason: String) -> Self {
-        Self { reason, without_branch: false }
+        Self { reason, wanted_too_near: false }
     }
 }
 
@@ -174,8 +175,11 @@ impl Piece {
         if let Some((found, sign)) = switched(&critical, point.bifurcations, &options.switch_at) {
             let at = (found.point.u.as_slice(), found.point.load);
             let mode = leaving(system, expansion, &series, (found, sign))?;
-            let crossing = onto_branch(system, expansion, at, (&mode, options.end_load))
-                .map_err(|reason| NoPiece { reason, without_branch: true })?;
+            let crossing =
+                onto_branch(system, expansion, at, (&mode, options.end_load)).map_err(|passed| NoPiece {
+                    reason: branch::not_found(passed),
+                    wanted_too_near: passed.is_some(),
+                })?;
             branch = Some((crossing, mode));
             (length, end_load) = (found.a, None);
             critical.retain(|found| found.a <= length);

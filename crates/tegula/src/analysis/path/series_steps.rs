@@ -2,7 +2,7 @@
 
 use super::expansion::Expansion;
 use super::piece::{Piece, Start};
-use super::start::in_equilibrium;
+use super::start::{hold_mechanisms, in_equilibrium};
 use super::state::{ExpansionPoint, PathState, ended_early, not_continued};
 use super::{first_state, scope};
 use crate::analysis::bending_watch::BendingWatch;
@@ -24,8 +24,8 @@ pub struct SeriesSteps<'a> {
     piece: Option<Piece>,
     /// Where the last piece was begun.
     begun: Option<ExpansionPoint>,
-    /// Whether the last piece was not found because of the crossing path to which it was to go over.
-    without_branch: bool,
+    /// Whether the last piece was not found because it was to go over to a crossing path with a wanted load factor too near.
+    wanted_too_near: bool,
     state: State,
     balance: Balance,
     statistics: Statistics,
@@ -54,7 +54,7 @@ impl<'a> SeriesSteps<'a> {
             bending: BendingWatch::new(),
             piece: None,
             begun: None,
-            without_branch: false,
+            wanted_too_near: false,
             system,
             options,
             expansion,
@@ -90,13 +90,13 @@ impl<'a> SeriesSteps<'a> {
         let beside = last.is_some_and(|point| point.is_bifurcation_beside(start.point().load));
         let piece = Piece::new(self.system, &mut self.expansion, (start, beside), self.options);
         self.statistics.factorizations = self.expansion.factorizations();
-        self.without_branch = piece.as_ref().is_err_and(|failed| failed.without_branch);
+        self.wanted_too_near = piece.as_ref().is_err_and(|failed| failed.wanted_too_near);
         piece.map_err(|failed| failed.reason)
     }
 
     /// Whether the path has no series at its start.
     pub(super) fn has_none_at_start(&self) -> bool {
-        self.position() == 0.0 && !self.without_branch
+        self.position() == 0.0 && !self.wanted_too_near
     }
 
     /// Point from which no piece led on: at the end of the last piece, or on the path that crosses there.
@@ -174,6 +174,7 @@ impl Stepper for SeriesSteps<'_> {
             return Err(not_continued(self.system, &self.state, &inverted));
         }
         self.go_to(next, observer);
+        hold_mechanisms(self.system, &self.state)?;
         if self.is_finished() && self.piece.as_ref().is_some_and(Piece::has_run_out) {
             ended_early(&self.state, self.options, observer);
         }

@@ -1,5 +1,8 @@
 //! Start of a path: it must be an equilibrium.
 
+use super::state::one_of_many;
+use crate::Result;
+use crate::analysis::mobility::neutral_motions;
 use crate::analysis::{State, equilibrium};
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
@@ -9,6 +12,19 @@ use crate::system::{Assembly, PathBefore, System, add_multiple};
 /// Unbalanced force over the forces with which a path does not begin, and over the loads and the stiffness times the size of the model, below
 /// which it is round-off.
 const UNBALANCED: [f64; 2] = [1e-5, 1e-12];
+
+/// Refuses the end of a path where a mechanism may move to other equilibria freely. Before, loads may still be zero that hold the motion.
+///
+/// # Errors
+/// There are motions that the loads neither hold nor drive.
+pub fn hold_mechanisms(system: &System, state: &State) -> Result<()> {
+    let finished = state.path.as_ref().is_some_and(|path| path.finished);
+    let neutral = if finished { neutral_motions(system, state) } else { Vec::new() };
+    if neutral.is_empty() {
+        return Ok(());
+    }
+    Err(one_of_many(state, &neutral))
+}
 
 /// Refuses a path that does not begin in equilibrium. `scale` is that of forces times lengths to come.
 pub fn in_equilibrium(

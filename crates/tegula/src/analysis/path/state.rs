@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::analysis::mobility::free_motions;
+use crate::analysis::mobility::{free_motions, neutral_motions, told_neutral};
 use crate::analysis::newton::PathTangent;
 use crate::analysis::{Observer, State};
 use crate::element::Nodal;
@@ -226,8 +226,23 @@ impl PathState {
     }
 }
 
-/// Error of a path that cannot be continued from a state; at its start the motions that a mechanism has are named.
+/// Error of a path on which a mechanism may move freely from an equilibrium to others.
+pub fn one_of_many(state: &State, neutral: &[String]) -> Error {
+    Error::NotConverged {
+        at: format!("load factor {:.6}", state.time),
+        reason: told_neutral(neutral),
+        help: "Hold the free motions by joints, supports or springs.".into(),
+    }
+}
+
+/// Error of a path that cannot be continued from a state. The motions that a mechanism has at its start, or that nothing holds later, are named.
 pub fn not_continued(system: &System, state: &State, reason: &str) -> Error {
+    if state.step > 0 {
+        let neutral = neutral_motions(system, state);
+        if !neutral.is_empty() {
+            return one_of_many(state, &neutral);
+        }
+    }
     let free = if state.step == 0 { free_motions(system, state, None) } else { Vec::new() };
     if !free.is_empty() {
         return Error::NotConverged {
@@ -243,10 +258,28 @@ pub fn not_continued(system: &System, state: &State, reason: &str) -> Error {
     Error::NotConverged {
         at: format!("load factor {:.6}", state.time),
         reason: format!("the path could not be continued: {reason}"),
-        help: "Results up to this load factor are complete. Look at the shape there: elements may be inverted, parts may move freely, springs \
-               may have lost their length, or several paths may cross."
-            .into(),
+        help: format!(
+            "Results up to this load factor are complete. {}",
+            many_modes(state).unwrap_or_else(|| {
+                "Look at the shape there: elements may be inverted, parts may move freely, springs may have lost their length, or several paths \
+                 may cross."
+                    .into()
+            })
+        ),
     }
+}
+
+/// Hint for a path that ends behind a bifurcation where several modes meet; `None` where the last one is a simple one.
+fn many_modes(state: &State) -> Option<String> {
+    let last = state.path.as_ref()?.critical.last()?;
+    let modes = last.change.unsigned_abs();
+    (last.kind == CriticalKind::Bifurcation && modes > 1).then(|| {
+        format!(
+            "{modes} modes meet at the bifurcation at load factor {:.6}: the paths that cross there may be a family, such as those of a column which \
+             buckles in any direction, and the tangent along them stays singular. Let a small imperfection choose one of them, or hold the others.",
+            last.load
+        )
+    })
 }
 
 /// Most unknowns of a model whose free motions are looked for at a bifurcation: the search is dense.

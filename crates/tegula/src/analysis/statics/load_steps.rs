@@ -341,6 +341,33 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         }
     }
 
+    /// Refuses an equilibrium at the end of the analysis from which a mechanism may move to others freely.
+    fn refuse_one_of_many(&self, target: f64) -> Result<()> {
+        if target < 1.0 || self.accepts_unstable() {
+            return Ok(());
+        }
+        let StaticEquation { u, multipliers, angles, .. } = &self.equation;
+        let found = State {
+            u: u.clone(),
+            time: target,
+            multipliers: multipliers.clone(),
+            angles: angles.clone(),
+            ..self.state.clone()
+        };
+        let neutral = mobility::neutral_motions(self.system, &found);
+        if neutral.is_empty() {
+            return Ok(());
+        }
+        Err(Error::NotConverged {
+            at: format!("load factor {target:.6}"),
+            reason: mobility::told_neutral(&neutral),
+            help: format!(
+                "The last equilibrium was at load factor {:.6}. Hold the free motions by joints, drives or springs.",
+                self.state.time
+            ),
+        })
+    }
+
     /// Negative pivots of the tangent of the unloaded structure: without stresses it has none but for round-off. `None`
     /// where a failure is of another kind.
     fn negative_pivots_at_rest(&mut self, failure: &Failure) -> Option<usize> {
@@ -415,6 +442,7 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
             self.statistics.linear_iterations = self.newton.linear_iterations();
             match outcome? {
                 Ok(converged) => {
+                    self.refuse_one_of_many(target)?;
                     self.accept(target, &converged, observer);
                     return Ok(converged.iterations);
                 }

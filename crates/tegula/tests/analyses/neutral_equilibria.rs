@@ -1,0 +1,112 @@
+//! Mechanisms whose loads neither hold nor drive one of their free motions: each position along it is an equilibrium, and none is returned.
+
+use crate::beams::rectangle;
+use crate::common::{Notes, compile, vector_load};
+use crate::multibody::{axis_joint, between, body, gravity, revolute, spherical};
+use crate::patches::{hub, strip};
+use tegula::analysis::{Silent, path, statics};
+use tegula::model::*;
+
+/// A strip on a carriage that slides across the load, through a rigid patch or a distributing coupling.
+fn strip_on_a_slide(element: ElementKind, distributed: bool) -> Model {
+    let mut m = strip(element, [4, 2], 0.0);
+    let width = 0.5 * if let MeshSource::Plate(plate) = &m.mesh { plate.size[1] } else { panic!("no plate") };
+    let mut carriage = hub("carriage", [0.0, width, 0.0], &["u_min"]);
+    if distributed {
+        (carriage.distributed, carriage.mass) = (std::mem::take(&mut carriage.attached), Some(1.0));
+        carriage.inertia = Some([1.0; 3]);
+    }
+    m.bodies = vec![carriage];
+    m.joints = vec![Joint::Prismatic(
+        axis_joint("slide", "ground", "carriage", [0.0, width, 0.0], [0.0, 1.0, 0.0]).into(),
+    )];
+    m.conditions.clear();
+    m.loads = gravity([0.0, 0.0, -0.01]);
+    m
+}
+
+fn refusal_of_statics(m: &Model) -> Option<String> {
+    let Analysis::Static(options) = &m.analysis else { panic!("no statics") };
+    let (_, system) = compile(m);
+    statics::run(&system, options, None, &mut Silent).err().map(|error| error.to_string())
+}
+
+/// Whatever round-off makes of the pivot of the motion across the load, statics and paths of all elements and couplings name it.
+#[test]
+fn motions_that_loads_neither_hold_nor_drive_are_refused_by_name() {
+    let motion = "body \"carriage\" moves along (0.0000, 1.0000, 0.0000)";
+    for element in [ElementKind::Ems, ElementKind::Mitc4, ElementKind::Cm] {
+        for distributed in [false, true] {
+            let mut m = strip_on_a_slide(element, distributed);
+            m.analysis = Analysis::Static(StaticAnalysis::default());
+            let refusal = refusal_of_statics(&m).expect("the position along the slide is arbitrary");
+            assert!(
+                refusal.contains("1 motion(s) free") && refusal.contains(motion),
+                "{element:?} {distributed}: {refusal}"
+            );
+            for method in [None, Some(PathMethod::ArcLength)] {
+                let options = PathAnalysis { method, ..Default::default() };
+                m.analysis = Analysis::Path(options.clone());
+                let (_, system) = compile(&m);
+                let refusal = path::run(&system, &options, None, &mut Silent).unwrap_err().to_string();
+                assert!(
+                    refusal.contains("1 motion(s) free") && refusal.contains(motion),
+                    "{element:?} {distributed}: {refusal}"
+                );
+            }
+        }
+    }
+}
+
+/// Of a body that hangs on a ball the turn about the vertical axis is named, and not its swings, which its weight holds; a body on a hinge hangs in
+/// equilibrium.
+#[test]
+fn motions_that_weights_hold_are_not_refused() {
+    let hanging = body("weight", [0.0, 0.0, -1.0], 1.0, Some([0.1, 0.2, 0.3]));
+    let hinge = revolute("hinge", "ground", "weight", [0.0; 3], [0.0, 1.0, 0.0]);
+    let mut m = Model::of_bodies(Analysis::Static(StaticAnalysis::default()), vec![hanging], vec![hinge]);
+    m.loads = gravity([0.0, 0.0, -9.81]);
+    assert_eq!(refusal_of_statics(&m), None);
+    m.joints = vec![spherical("ground", "weight", [0.0; 3])];
+    let refusal = refusal_of_statics(&m).expect("the weight may turn about its axis");
+    assert!(refusal.contains("along (0.0000, 0.0000, 1.0000)"), "{refusal}");
+}
+
+/// A column of square section on a ball and a universal joint buckles in any direction. The paths that cross there are a family, along which the
+/// tangent stays singular: the message says so, behind the results up to the bifurcation.
+#[test]
+fn paths_that_end_where_two_modes_meet_say_so() {
+    // Twice Euler's load.
+    let (young, side) = (1e9, 0.05_f64);
+    let load = 2.0 * std::f64::consts::PI.powi(2) * young * side.powi(4) / 12.0;
+    let mut column =
+        Beam::straight("column", [[0.0; 3], [1.0, 0.0, 0.0]], 16, [0.0, 0.0, 1.0], rectangle([side, side]));
+    column.material = Some("m".into());
+    let foot = Joint::Universal(TwoAxesJoint {
+        name: "foot".into(),
+        between: between("ground", "column.start"),
+        at: [0.0; 3],
+        axes: [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        second_at: None,
+    });
+    let end = [1.0, 0.0, 0.0];
+    let guide = Joint::Prismatic(axis_joint("guide", "ground", "slider", end, end).into());
+    let head = spherical("slider", "column.end", end);
+    let slider = body("slider", end, 1.0, Some([1.0; 3]));
+    let options = PathAnalysis { end_load: 2.0, switch_at: vec![1], ..Default::default() };
+    let mut m = Model::of_bodies(Analysis::Path(options), vec![slider], vec![foot, guide, head]);
+    m.materials.insert("m".into(), Material::Isotropic(Isotropic::new(young, 0.3, 1000.0)));
+    m.beams = vec![column];
+    m.loads = vec![Load::Force(vector_load("slider", [-load, 0.0, 0.0]))];
+    for method in [None, Some(PathMethod::ArcLength)] {
+        let Analysis::Path(options) = &mut m.analysis else { panic!("no path") };
+        options.method = method;
+        let options = options.clone();
+        let (_, system) = compile(&m);
+        let mut notes = Notes::keeping();
+        let error = path::run(&system, &options, None, &mut notes).unwrap_err().to_string();
+        let last = notes.states.last().map_or(0.0, |state| state.time);
+        assert!((last - 0.5).abs() < 0.005, "{last}");
+        assert!(error.contains("2 modes meet at the bifurcation at load factor 0.499"), "{error}");
+    }
+}
