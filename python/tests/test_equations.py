@@ -279,6 +279,38 @@ class States(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "another model"):
             other.simulation(start=equations.state())
 
+    def test_states_of_other_meshes_of_as_many_nodes_are_refused(self) -> None:
+        state = tegula.Model(strip()).equations().state()
+        turned = {"type": "plate", "size": [LENGTH, WIDTH], "grid": {"elements": [1, 6]}}
+        longer = {"type": "plate", "size": [2.0 * LENGTH, WIDTH], "grid": {"elements": [6, 1]}}
+        for other in (strip(mesh=turned), strip(mesh=longer), strip("mitc4")):
+            equations = tegula.Model(other).equations()
+            self.assertEqual(equations.state().displacements.shape, state.displacements.shape)
+            with self.assertRaisesRegex(ValueError, "another model: its nodes or its elements are others"):
+                equations.residual(state)
+        stiffer = [{"material": "steel", "thickness": 2.0 * THICKNESS, "element": "ems"}]
+        tegula.Model(strip(sections=stiffer)).equations().residual(state)
+
+    def test_simulations_do_not_start_with_directors_of_another_length(self) -> None:
+        model = tegula.Model(strip("mitc4", analysis=SWING))
+        simulation = model.simulation()
+        simulation.advance()
+        moved = simulation.state.displacements.copy()
+        moved[-1] += 0.1
+        with self.assertRaisesRegex(ValueError, "the director of node [0-9]+ has not its length of 1"):
+            model.simulation(start=simulation.state.replace(displacements=moved))
+
+    def test_what_is_no_state_is_a_type_error(self) -> None:
+        model = tegula.Model(strip())
+        equations = model.equations()
+        for wrong in (None, 3, np.zeros((2, 3))):
+            with self.assertRaisesRegex(TypeError, "a tegula.State is expected"):
+                equations.residual(wrong)  # type: ignore[arg-type]
+        with self.assertRaisesRegex(TypeError, "a tegula.State is expected, not int"):
+            model.simulation(start=3)  # type: ignore[arg-type]
+        with self.assertRaisesRegex(ValueError, r"increment: the shape is \([0-9]+, 1\), and \(n,\) is expected"):
+            equations.moved(equations.state(), np.zeros((equations.unknowns, 1)))
+
     def test_states_that_move_supports_are_refused(self) -> None:
         simulation = tegula.Model(strip(analysis=SWING)).simulation()
         for _ in range(3):
@@ -347,9 +379,9 @@ class States(unittest.TestCase):
             self.assertNotEqual(again.state, state)
 
     def test_damaged_pickles_of_states_are_refused(self) -> None:
-        function, (dump, middle, analysis) = tegula.Model(strip()).equations().state().__reduce__()
+        function, (dump, middle, analysis, mesh) = tegula.Model(strip()).equations().state().__reduce__()
         with self.assertRaisesRegex(ValueError, "cannot be read"):
-            function(dump[: len(dump) // 2], middle, analysis)
+            function(dump[: len(dump) // 2], middle, analysis, mesh)
 
     def test_simulations_and_equations_say_why_they_are_not_pickled(self) -> None:
         model = tegula.Model(strip())
