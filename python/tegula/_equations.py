@@ -28,15 +28,18 @@ def _sparse() -> Any:
     return scipy.sparse
 
 
-def _array(name: str, values: npt.ArrayLike | None, dimensions: int) -> NDArray[np.float64] | None:
-    """Values of a caller as an array, unless there are none."""
-    if values is None:
-        return None
+def _array(name: str, values: npt.ArrayLike, dimensions: int) -> NDArray[np.float64]:
+    """Values of a caller as an array."""
     array = np.asarray(values, dtype=np.float64)
     if array.ndim != dimensions:
         expected = "(V, 3) with a row for each nodal vector" if dimensions == 2 else "(n,)"
         raise ValueError(f"{name}: the shape is {array.shape}, and {expected} is expected")
     return array
+
+
+def _field(name: str, values: npt.ArrayLike | None) -> NDArray[np.float64] | None:
+    """Values of the nodal vectors as an array, unless there are none."""
+    return None if values is None else _array(name, values, 2)
 
 
 class State:
@@ -110,10 +113,10 @@ class State:
         return State._of(
             self._state.replaced(
                 time,
-                _array("displacements", displacements, 2),
-                _array("velocities", velocities, 2),
-                _array("accelerations", accelerations, 2),
-                _array("multipliers", multipliers, 1),
+                _field("displacements", displacements),
+                _field("velocities", velocities),
+                _field("accelerations", accelerations),
+                None if multipliers is None else _array("multipliers", multipliers, 1),
             )
         )
 
