@@ -7,6 +7,7 @@ mod bilinear_series;
 mod chunks;
 pub mod curved_strain;
 pub mod director_angle;
+mod enhanced_newton;
 pub mod forms;
 pub mod generalized_law;
 pub mod geometry;

@@ -11,20 +11,16 @@
 
 use nalgebra::{DMatrix, Matrix6, Vector6};
 
+use super::enhanced_newton::{Correction, MAX_PARAMETERS, ParameterMatrix, Parameters, factor, solve};
 use super::generalized_law::{GeneralizedLaw, energy_of_fields};
 use super::group::InternalVariables;
 use super::shell::{IntegrationPoint, PointResponse};
 use crate::material::Law;
 
-/// Largest number of enhanced parameters.
-pub const MAX_PARAMETERS: usize = 12;
 /// Largest number of internal variables at an integration point.
 const MAX_HISTORY: usize = 16;
 /// Newton iterations for the enhanced parameters before an evaluation fails.
-const MAX_ITERATIONS: usize = 40;
-
-type Parameters = [f64; MAX_PARAMETERS];
-type ParameterMatrix = [[f64; MAX_PARAMETERS]; MAX_PARAMETERS];
+const MAX_ITERATIONS: usize = 200;
 
 /// Integration points of one element, sorted into linear and nonlinear ones.
 #[derive(Debug, Clone)]
@@ -261,59 +257,79 @@ impl<const S: usize> PointLaw<S> {
         if a == 0 {
             return Some((alpha, k));
         }
-        let n = S + a;
         let mut close = false;
+        let mut last: Option<Correction> = None;
         for _ in 0..MAX_ITERATIONS {
-            let mut r = [0.0; MAX_PARAMETERS];
-            let mut scale = 0.0;
-            for i in 0..a {
-                r[i] = self.linear_row(element, S + i, s, &alpha, interior);
-                for j in 0..a {
-                    k[i][j] = self.linear_entry(element, S + i, S + j);
-                }
+            let (r, scale) = self.residual(element, s, &alpha, interior, &mut k)?;
+            if let Some(last) = last.as_mut().filter(|_| !close)
+                && let Some(back) = last.shortened(&r, a)
+            {
+                last.add(back, &mut alpha);
+                continue;
             }
-            self.for_each_point(element, s, &alpha, interior, |point, law, strain, committed, _| {
-                let mut updated = [0.0; MAX_HISTORY];
-                let response = law.respond(strain, committed, &mut updated[..committed.len()])?;
-                let w = self.weight[point];
-                let l = &self.strain[point * 6 * n..(point + 1) * 6 * n];
-                scale += w * (response.tangent * strain).dot(strain).abs();
-                if self.fields != 0 {
-                    // Free heating leaves no stress; round-off is that of the prescribed strain then.
-                    let prescribed = self.prescribed_at(point, interior);
-                    scale += w * (response.tangent * prescribed).dot(&prescribed).abs();
-                }
-                for j in 0..a {
-                    let g = Vector6::from_fn(|row, _| l[row * n + S + j]);
-                    r[j] += w * g.dot(&response.stress);
-                    let cg = response.tangent * g * w;
-                    for i in 0..=j {
-                        let value: f64 = (0..6).map(|row| l[row * n + S + i] * cg[row]).sum();
-                        k[i][j] += value;
-                        if i != j {
-                            k[j][i] += value;
-                        }
-                    }
-                }
-                Some(())
-            })?;
             factor(&mut k, a)?;
             if close {
                 return Some((alpha, k));
             }
             let mut delta = r;
             solve(&k, a, &mut delta);
-            let decrement: f64 = (0..a).map(|i| delta[i] * r[i]).sum::<f64>().abs();
-            for (x, d) in alpha.iter_mut().zip(&delta) {
-                *x -= d;
-            }
-            if !decrement.is_finite() {
+            let slope: f64 = (0..a).map(|i| delta[i] * r[i]).sum();
+            if !slope.is_finite() {
                 return None;
             }
             // Quadratic convergence: after the correction just made the error is below round-off.
-            close = decrement <= 1e-16 * scale;
+            close = slope.abs() <= 1e-16 * scale;
+            let correction = Correction::whole(delta, slope);
+            correction.add(-1.0, &mut alpha);
+            last = Some(correction);
         }
         None
+    }
+
+    /// Residual of the enhanced parameters, the energy of its terms, and the tangent K_αα, whose matrix is given.
+    fn residual(
+        &self,
+        element: usize,
+        s: &[f64; S],
+        alpha: &Parameters,
+        interior: &InternalVariables,
+        k: &mut ParameterMatrix,
+    ) -> Option<(Parameters, f64)> {
+        let (a, n) = (self.parameters, S + self.parameters);
+        let mut r = [0.0; MAX_PARAMETERS];
+        let mut scale = 0.0;
+        for i in 0..a {
+            r[i] = self.linear_row(element, S + i, s, alpha, interior);
+            for j in 0..a {
+                k[i][j] = self.linear_entry(element, S + i, S + j);
+            }
+        }
+        self.for_each_point(element, s, alpha, interior, |point, law, strain, committed, _| {
+            let mut updated = [0.0; MAX_HISTORY];
+            let response = law.respond(strain, committed, &mut updated[..committed.len()])?;
+            let w = self.weight[point];
+            let l = &self.strain[point * 6 * n..(point + 1) * 6 * n];
+            scale += w * (response.tangent * strain).dot(strain).abs();
+            if self.fields != 0 {
+                // Free heating leaves no stress; round-off is that of the prescribed strain then.
+                let prescribed = self.prescribed_at(point, interior);
+                scale += w * (response.tangent * prescribed).dot(&prescribed).abs();
+            }
+            for j in 0..a {
+                let g = Vector6::from_fn(|row, _| l[row * n + S + j]);
+                r[j] += w * g.dot(&response.stress);
+                let cg = response.tangent * g * w;
+                for i in 0..=j {
+                    let value: f64 = (0..6).map(|row| l[row * n + S + i] * cg[row]).sum();
+                    k[i][j] += value;
+                    if i != j {
+                        k[j][i] += value;
+                    }
+                }
+            }
+            Some(())
+        })?;
+        Some((r, scale))
     }
 
     /// Stress, energy and updated history variables, and with `tangent` the blocks K_ss and K_sα.
@@ -451,42 +467,6 @@ fn add_tangent<const S: usize>(
                     sa[i][j] += li * cl_a[j];
                 }
             }
-        }
-    }
-}
-
-/// LDLᵀ factorization, in place, of the leading `n × n` part.
-fn factor(k: &mut ParameterMatrix, n: usize) -> Option<()> {
-    for j in 0..n {
-        for c in 0..j {
-            let l = k[j][c];
-            for i in j..n {
-                k[i][j] -= k[i][c] * l * k[c][c];
-            }
-        }
-        let pivot = k[j][j];
-        if pivot == 0.0 || !pivot.is_finite() {
-            return None;
-        }
-        for row in k.iter_mut().take(n).skip(j + 1) {
-            row[j] /= pivot;
-        }
-    }
-    Some(())
-}
-
-fn solve(k: &ParameterMatrix, n: usize, x: &mut Parameters) {
-    for i in 0..n {
-        for j in 0..i {
-            x[i] -= k[i][j] * x[j];
-        }
-    }
-    for i in 0..n {
-        x[i] /= k[i][i];
-    }
-    for i in (0..n).rev() {
-        for j in i + 1..n {
-            x[i] -= k[j][i] * x[j];
         }
     }
 }
