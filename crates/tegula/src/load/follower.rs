@@ -133,6 +133,22 @@ impl FollowerLoad {
         }
     }
 
+    /// Sum `Σ P(x_j, x_{n−j})` of the quadratic form of a pressure, `f(x) = P(x, x)`, over coefficients `x_0 … x_n` of the positions of its nodes; zero for
+    /// other loads.
+    pub fn convolution(&self, x: &[[Vec3; 4]]) -> [Nodal; 4] {
+        let mut out = [[0.0; 3]; 4];
+        let Self::Pressure { pressure, .. } = self else { return out };
+        for [xi, eta] in GAUSS_POINTS {
+            let (along_xi, along_eta) = (shape_xi(eta), shape_eta(xi));
+            let pairs = x.iter().zip(x.iter().rev());
+            let normal: Vec3 = pairs.map(|(a, b)| tangent(a, along_xi).cross(&tangent(b, along_eta))).sum();
+            for (f, n) in out.iter_mut().zip(shape(xi, eta)) {
+                (0..3).for_each(|i| f[i] -= pressure * n * normal[i]);
+            }
+        }
+        out
+    }
+
     /// Load stiffness −∂f/∂x at factor 1, all blocks; of a moment on a body along its rotations.
     pub fn derivative(&self, x: &[Vec3]) -> LoadStiffness {
         let mut k = [[Mat3::zeros(); 4]; 4];

@@ -10,14 +10,14 @@ use tegula::model::*;
 use tegula::{System, Vec3};
 
 /// Outcomes by power series, which are the default, and by the arc-length method.
-fn both(m: &Model) -> [(System, PathOutcome, Record); 2] {
+pub fn both(m: &Model) -> [(System, PathOutcome, Record); 2] {
     let found = [m.clone(), by_arc_length(m)].map(|m| run(&m));
     assert!(found[0].2.events.iter().all(|event| !event.contains("arc-length")), "{:?}", found[0].2.events);
     found
 }
 
 /// Distance of the displacements of two outcomes over their size.
-fn distance([a, b]: [&PathOutcome; 2]) -> f64 {
+pub fn distance([a, b]: [&PathOutcome; 2]) -> f64 {
     let size = |u: &[[f64; 3]]| u.as_flattened().iter().map(|x| x * x).sum::<f64>().sqrt();
     let pairs = a.state.u.iter().zip(&b.state.u);
     let difference: Vec<[f64; 3]> = pairs.map(|(a, b)| std::array::from_fn(|i| a[i] - b[i])).collect();

@@ -16,6 +16,7 @@
 
 use super::directors::DirectorSeries;
 use super::joint_series;
+use super::pressure_series::PressureSeries;
 use super::series::Series;
 use crate::Result;
 use crate::analysis::constraints::{Constraints, values_of};
@@ -28,7 +29,7 @@ use crate::element::power_series::KnownOrders;
 use crate::element::{Motion, Nodal, TangentWeights};
 use crate::model::PathAnalysis;
 use crate::norm::larger;
-use crate::system::assembly::TangentCoefficients;
+use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::power_series::SeriesStresses;
 use crate::system::{Assembly, EvaluationPoint, Internal, LocalFrames, System, add_multiple};
 use tegula_sparse::SparseLdlt;
@@ -156,7 +157,7 @@ impl Expansion {
         }
         self.assembly.forces(system, &k, &mut self.field);
         self.field.as_flattened_mut().iter_mut().for_each(|x| *x = -*x);
-        system.add_dead_loads(load, 1.0, &mut self.field);
+        add_loads(system, u, (load, 1.0), &mut self.field);
         let mut rest = vec![0.0; self.free.len()];
         self.assembly.frames.reduce(&self.field, &mut rest);
         let norm = self.norm.as_deref();
@@ -211,7 +212,7 @@ impl Expansion {
         let at = Linearization { system, point: &k, parts: &parts, extrapolated: false, prescribed };
         self.frames.copy_from(&self.assembly.frames);
         self.field.fill([0.0; 3]);
-        system.add_dead_loads(load, 1.0, &mut self.field);
+        add_loads(system, u, (load, 1.0), &mut self.field);
         let mut negative = loop {
             let Self { solver, assembly, internal, field: external, .. } = self;
             solver.assemble(assembly, &at, internal);
@@ -240,7 +241,7 @@ impl Expansion {
     /// forces without those of joints ([`System::force_norm`]).
     pub fn residual(&mut self, system: &System, u: &[Nodal], load: f64, out: &mut [f64]) -> [f64; 2] {
         let mut external = vec![[0.0; 3]; self.field.len()];
-        system.add_dead_loads(load, 1.0, &mut external);
+        add_loads(system, u, (load, 1.0), &mut external);
         let multipliers = self.multipliers(system, u, load);
         let mut size = system.force_norm(&external);
         if self.constraints.is_some() {
@@ -259,6 +260,10 @@ impl Expansion {
     /// Force per load factor at a point, without the part of prescribed displacements: `−∂R/∂λ` at fixed displacements.
     pub fn load_at(&mut self, system: &System, u: &[Nodal], load: f64, out: &mut [Nodal]) {
         out.copy_from_slice(&self.load);
+        let motion = Motion::State { u, velocity: None };
+        for (at, sign) in [(1.0, 1.0), (0.0, -1.0)] {
+            add_follower_loads(system, &motion, at, sign, out);
+        }
         if self.strain_factors.iter().all(|factor| *factor == 0.0) {
             return;
         }
@@ -363,11 +368,14 @@ impl Expansion {
             range: STRAIGHT,
         };
         let mut directors = self.directors_at(system, &series, &multipliers);
+        let mut pressures = PressureSeries::new(system, load);
         let highest = options.order as usize;
         for _ in 2..=highest {
             let along = (unit.as_slice(), of_unit.as_slice(), denominator);
             let known = (&series, &mut multipliers);
-            let Some((next, load)) = self.next_order(system, along, known, (highest, &mut directors))? else {
+            let Some((next, load)) =
+                self.next_order(system, along, known, (highest, &mut directors, &mut pressures))?
+            else {
                 // Where the range is short, high orders are beyond the largest number: the series ends before them.
                 break;
             };
@@ -389,7 +397,7 @@ impl Expansion {
         }
         let mut forces = vec![[0.0; 3]; u.len()];
         self.assembly.forces(system, &point(system, u, load, &of_joints[0]), &mut forces);
-        system.add_dead_loads(load, -1.0, &mut forces);
+        add_loads(system, u, (load, -1.0), &mut forces);
         directors.take_multipliers(&forces);
         forces.fill([0.0; 3]);
         let last = (series.coefficients[0].as_slice(), last(&series.loads));
@@ -425,7 +433,7 @@ impl Expansion {
         system: &System,
         (unit, of_unit, denominator): (&[Nodal], &[f64], f64),
         (series, multipliers): (&Series, &mut Vec<Vec<f64>>),
-        (highest, directors): (usize, &mut DirectorSeries),
+        (highest, directors, pressures): (usize, &mut DirectorSeries, &mut PressureSeries),
     ) -> std::result::Result<Option<(Vec<Nodal>, f64)>, String> {
         let (u, at) = (series.u.as_slice(), series.loads[0]);
         let factors: Vec<f64> = self.strain_factors.iter().map(|f| f * last(&series.loads)).collect();
@@ -438,6 +446,7 @@ impl Expansion {
             highest,
         };
         self.assembly.forces_of_order(system, &known, &mut self.stresses, &mut self.field);
+        pressures.subtract_known(system, series, &mut self.field);
         let mut next = vec![[0.0; 3]; u.len()];
         let known_forces = if directors.is_empty() { Vec::new() } else { self.field.clone() };
         let free = directors.is_empty() && self.constraints.is_none();
@@ -520,6 +529,12 @@ impl Expansion {
         add_multiple(&mut force, 1.0, &self.prescribed);
         Ok((force, multipliers))
     }
+}
+
+/// Adds all loads at a point of the path, times a factor.
+fn add_loads(system: &System, u: &[Nodal], (load, factor): (f64, f64), out: &mut [Nodal]) {
+    system.add_dead_loads(load, factor, out);
+    add_follower_loads(system, &Motion::State { u, velocity: None }, load, factor, out);
 }
 
 /// Evaluation point of displacements at a load factor, with multipliers of joints.

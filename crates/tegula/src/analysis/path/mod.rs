@@ -23,6 +23,7 @@ mod hand_over;
 mod joint_series;
 mod opposite_crossings;
 mod piece;
+mod pressure_series;
 mod scope;
 mod series;
 mod series_steps;

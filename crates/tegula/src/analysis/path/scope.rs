@@ -1,11 +1,14 @@
 //! Scope of the methods: power series need equilibrium equations that are polynomials, the arc-length method smooth loads.
 
 use super::joint_series;
+use crate::analysis::equilibrium::unknowns_of;
+use crate::analysis::potential::{Place, have_potential};
 use crate::error::Issue;
-use crate::load::TimeFunction;
+use crate::load::{FollowerLoad, TimeFunction};
 use crate::model::{PathAnalysis, PathMethod};
-use crate::system::System;
 use crate::system::power_series::SeriesStresses;
+use crate::system::{CirculatoryStiffness, System, VectorKind};
+use tegula_sparse::gmres::noise;
 
 /// Load factors at which an amplitude is compared with a straight line.
 const TRIALS: [f64; 6] = [-1.4371, -0.7193, 0.3179, 0.8867, 1.7731, 3.9897];
@@ -55,7 +58,7 @@ pub fn without_series(reason: &str) -> Issue {
     Issue::new(
         "analysis.method",
         format!("the path cannot be expanded into power series: {reason}"),
-        "take linear materials, joints of quadratic constraints without drives, no springs, and loads of constant direction that grow from 0 in a \
+        "take linear materials, joints of quadratic constraints without drives, no springs, and loads of constant direction, or pressures on faces with held edges, that grow from 0 in a \
          straight line; or leave `method` out for the arc-length method",
     )
 }
@@ -109,6 +112,43 @@ fn turning(system: &System, end: f64) -> Option<String> {
 /// Slope of an amplitude over that at the start, below which it vanishes.
 const SLOPE: f64 = 1e-6;
 
+/// Whether loads depend on the displacements that are no pressures.
+fn other_follower_loads(system: &System) -> bool {
+    let is_pressure = |load: &FollowerLoad| matches!(load, FollowerLoad::Pressure { .. });
+    !system.followers.iter().all(is_pressure)
+        || !system.centrifugal.is_empty()
+        || system.inertia_relief.is_some()
+}
+
+fn driven_beside_pressures(system: &System) -> bool {
+    !system.followers.is_empty() && system.dofs().prescribed.iter().any(|motion| !motion.held)
+}
+
+fn pressures_on_bodies(system: &System) -> bool {
+    let mut nodes = system.followers.iter().flat_map(FollowerLoad::vectors);
+    nodes.any(|&node| system.dofs().is_carried(node as usize))
+}
+
+/// Part of the length of a model by which its nodes are displaced where the load stiffness is looked at.
+const DISPLACED: f64 = 0.05;
+
+/// Whether the load stiffness of pressures is symmetric, in the reference configuration and in another one: the motions of edges decide, which
+/// supports hold or leave in all configurations.
+fn pressures_have_potential(system: &System) -> bool {
+    let mut free = vec![0.0; system.unknowns()];
+    let positions = unknowns_of(system, system.dofs(), VectorKind::Position);
+    for (number, random) in positions.zip(noise()) {
+        free[number as usize] = DISPLACED * system.length * random;
+    }
+    let rest = vec![[0.0; 3]; system.vectors()];
+    let mut displaced = rest.clone();
+    system.frames.expand(&free, &mut displaced);
+    [rest, displaced].iter().all(|u| {
+        let place = Place { u, time: 1.0, frames: &system.frames };
+        have_potential(system, &place, CirculatoryStiffness::new(system), &[])
+    })
+}
+
 fn reason(system: &System) -> Option<String> {
     let dofs = system.dofs();
     let is_unit = |v: usize| dofs.unit.iter().any(|unit| unit.vector as usize == v);
@@ -116,13 +156,18 @@ fn reason(system: &System) -> Option<String> {
     let given = [
         (driven, "prescribed motions turn inextensible directors"),
         (
-            system.has_follower_loads(),
-            "loads depend on the displacements: pressures, moments, follower, centrifugal and turning forces, or reactions of released joints",
+            other_follower_loads(system),
+            "loads other than pressures depend on the displacements: moments, follower, centrifugal and turning forces, or reactions of released joints",
         ),
+        (driven_beside_pressures(system), "pressures act beside prescribed motions"),
+        (pressures_on_bodies(system), "pressures act on nodes that bodies or beams carry"),
         (!system.without_internal_variables(), "a material or an enhanced strain keeps a history"),
     ];
     if let Some((_, reason)) = given.into_iter().find(|(is, _)| *is) {
         return Some(reason.into());
+    }
+    if !system.followers.is_empty() && !pressures_have_potential(system) {
+        return Some("pressures without a potential act, whose load stiffness is not symmetric: on faces with free edges, or of varying size".into());
     }
     if let Some(name) = joint_series::without_series(system) {
         return Some(format!(

@@ -9,9 +9,11 @@ use crate::analysis::bending_watch::BendingWatch;
 use crate::analysis::statics::{self, reactions};
 use crate::analysis::stepper::Reached;
 use crate::analysis::{Balance, Observer, State, Statistics, Stepper, Watched};
-use crate::element::Nodal;
+use crate::element::{Motion, Nodal};
 use crate::model::PathAnalysis;
 use crate::norm::larger;
+use crate::system::assembly::add_follower_loads;
+use crate::system::fields::dot;
 use crate::system::{System, inverted_element};
 use crate::{Error, Result};
 
@@ -136,8 +138,9 @@ impl<'a> SeriesSteps<'a> {
         }
         path.finished |= piece.is_last() && path.position >= piece.end_position();
         state.negative_pivots = piece.negative_at(path.position);
-        if !system.dofs().prescribed.is_empty() {
-            state.work += work_of_prescribed((system, expansion), piece, [from, path.position], trial);
+        if !(system.dofs().prescribed.is_empty() && system.followers.is_empty()) {
+            state.work +=
+                work_of_motions_and_pressures((system, expansion), piece, [from, path.position], trial);
         }
         if state.step == 1 {
             expansion.redundant(system).for_each(|message| observer.on_warning(&message));
@@ -203,8 +206,8 @@ const GAUSS: [(f64, f64); 3] =
 /// Parts of a piece over which work is integrated.
 const PARTS: f64 = 8.0;
 
-/// Work of the reactions on prescribed motions between two positions of a piece. `u` is scratch space.
-fn work_of_prescribed(
+/// Work of the reactions on prescribed motions, and of pressures, between two positions of a piece. `u` is scratch space.
+fn work_of_motions_and_pressures(
     (system, expansion): (&System, &mut Expansion),
     piece: &Piece,
     [from, to]: [f64; 2],
@@ -214,16 +217,27 @@ fn work_of_prescribed(
     let parts = (PARTS * (to - from) / length).ceil().clamp(1.0, PARTS);
     let (half, start) = (0.5 * (to - from) / parts, from - piece.start().position);
     let mut state = State { u: u.to_vec(), ..State::default() };
+    let mut pressure = vec![[0.0; 3]; u.len()];
     let mut work = 0.0;
     for part in 0..parts as u32 {
         for (x, weight) in GAUSS {
             let a = start + half * (2.0 * f64::from(part) + 1.0 + x);
             piece.series().displacements(a, &mut state.u);
             state.time = piece.series().load(a);
-            state.multipliers = expansion.multipliers(system, &state.u, state.time);
-            let forces = reactions(system, expansion.assembly(), &state);
             piece.series().direction(a, u);
-            work += half * weight * system.product_of_prescribed(&forces, u);
+            let mut power = 0.0;
+            if !system.dofs().prescribed.is_empty() {
+                state.multipliers = expansion.multipliers(system, &state.u, state.time);
+                let forces = reactions(system, expansion.assembly(), &state);
+                power += system.product_of_prescribed(&forces, u);
+            }
+            if !system.followers.is_empty() {
+                pressure.fill([0.0; 3]);
+                let motion = Motion::State { u: &state.u, velocity: None };
+                add_follower_loads(system, &motion, state.time, 1.0, &mut pressure);
+                power += dot(&pressure, u);
+            }
+            work += half * weight * power;
         }
     }
     work
