@@ -284,7 +284,7 @@ SECTIONS: dict[str, list[Entry]] = {
               "limit load", "7.385 N/m²", "Pi, Bradford and Uy 2002",
               lambda r: 10 * r.step("1-to_the_limit_point").critical("limit")[0], "{:.3f} N/m²", step="2-snap"),
         Entry("von_mises_truss.toml", "load_displacement.png", [],
-              "A body on a vertical slide between two springs snaps through. The arc-length method follows the path, since the forces of springs are no polynomials.",
+              "A body on a vertical slide between two springs snaps through. Power series follow the path, in which the inverse lengths of the springs are series, too.",
               "first limit load factor", "1", "closed form: the load is scaled with the limit load of two springs",
               lambda r: r.critical("limit")[0], "{:.6f}"),
         Entry("lee_frame.toml", "load_displacement.png", [],

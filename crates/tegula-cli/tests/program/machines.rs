@@ -21,7 +21,7 @@ fn the_plate_on_a_hub_swings_as_a_physical_pendulum() {
     assert!(s["balance"]["moment"].as_f64().unwrap() < 1e-9, "{s}");
 }
 
-/// Force of two springs between which a body slides, at all points of the path, and its limits.
+/// Force of two springs between which a body slides, at all points of the path up to the residual of its power series, and its limits.
 #[test]
 fn the_truss_of_von_mises_snaps_at_its_limit_load() {
     let column = history_of("von_mises_truss.toml");
@@ -33,7 +33,7 @@ fn the_truss_of_von_mises_snaps_at_its_limit_load() {
         (column("time"), column("body.apex.z"), column("path.negative_eigenvalues"));
     assert!(loads.len() > 20 && *loads.last().unwrap() == 1.5);
     for (load, z) in loads.iter().zip(&heights) {
-        assert!((load * limit - force(*z)).abs() < 1e-9 * limit, "{load} {z}");
+        assert!((load * limit - force(*z)).abs() < 1e-5 * limit, "{load} {z}");
     }
     let least = loads.iter().copied().min_by(f64::total_cmp).unwrap();
     assert!((least + 1.0).abs() < 1e-9, "{least}");

@@ -26,6 +26,7 @@ mod spline;
 mod spring;
 mod spring_across;
 mod spring_law;
+mod spring_series;
 mod tied_node;
 mod torsion_spring;
 mod turning;

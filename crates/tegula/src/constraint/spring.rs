@@ -16,6 +16,7 @@
 use super::joint::current;
 use super::spring_across::Across;
 use super::{Attachment, SpringLaw};
+use crate::element::power_series::PowerSeries;
 use crate::element::{
     ElementGroup, GroupPoint, Motion, Nodal, StressIncrement, TangentRequest, TangentWeights,
 };
@@ -166,6 +167,30 @@ impl Spring {
         [length, self.law.force([length; 2], (length - before) / dt, time).value]
     }
 
+    /// Weights of the nodal vectors in the vector between the points, and stiffness and free length of a linear spring; `None` of springs across an axis or
+    /// with another law.
+    pub(super) fn linear(&self) -> Option<(&[f64], [f64; 2])> {
+        match &self.measure {
+            Measure::Points(weights, _) => Some((weights, self.law.linear_constants()?)),
+            Measure::Across(_) => None,
+        }
+    }
+
+    /// Vector between the points for given displacements.
+    pub(super) fn at(&self, reference: &[Nodal], u: &[Nodal]) -> Vec3 {
+        self.between(|v| Vec3::from(reference[v]) + Vec3::from(u[v]))
+    }
+
+    /// Vector between the points at an evaluation point.
+    pub(super) fn now(&self, k: &GroupPoint) -> Vec3 {
+        self.between(|v| current(k, v as u32))
+    }
+
+    /// Change of the vector between the points with a field of all nodal vectors.
+    pub(super) fn change_of_points(&self, weights: &[f64], field: &[Nodal]) -> Vec3 {
+        self.sum(weights, Vec3::zeros(), |v| Vec3::from(field[v]))
+    }
+
     /// Writes the forces on the nodal vectors that do the work of a force on the vector between the points, or across the axis.
     fn write_forces(&self, k: &GroupPoint, force: &Vec3, out: &mut [f64]) {
         match &self.measure {
@@ -238,6 +263,11 @@ impl SpringGroup {
         };
         sizes.into_iter().filter(|size| *size > 0).map(of_size).collect()
     }
+
+    /// The springs of the group.
+    pub(super) fn springs(&self) -> impl Iterator<Item = &Spring> {
+        self.members.iter()
+    }
 }
 
 impl ElementGroup for SpringGroup {
@@ -271,6 +301,10 @@ impl ElementGroup for SpringGroup {
 
     fn vectors_per_element(&self) -> usize {
         self.vectors
+    }
+
+    fn power_series(&self) -> Option<&dyn PowerSeries> {
+        self.members.iter().all(|spring| spring.linear().is_some()).then_some(self as &dyn PowerSeries)
     }
 
     fn evaluate(

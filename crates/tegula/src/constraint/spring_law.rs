@@ -46,6 +46,14 @@ impl SpringLaw {
         Self { free, kind: Kind::Linear { stiffness, damping } }
     }
 
+    /// Stiffness and free length of a linear law.
+    pub fn linear_constants(&self) -> Option<[f64; 2]> {
+        match self.kind {
+            Kind::Linear { stiffness, .. } => Some([stiffness, self.free]),
+            Kind::Formula(_) => None,
+        }
+    }
+
     /// Force by a formula, for a spring that messages call by a name and that has the length or angle `start` at the start.
     ///
     /// # Errors

@@ -6,9 +6,9 @@
 //! path parameter (asymptotic numerical method). The series holds up to a length that its last term tells; there the
 //! next one begins. Nothing is iterated and no step length is guessed, and what lies between the ends of a step is known as a
 //! polynomial: reported points, wanted load factors, limit points and the end of the path are evaluated from it. Inextensible directors,
-//! bodies, beams and joints add quadratic constraints with multipliers, which are power series, too.
+//! bodies, beams and joints add quadratic constraints with multipliers, which are power series, too, as are pressures and the lengths of springs.
 //!
-//! **Arc-length method.** Of models whose equilibrium is no polynomial, with springs, driven joints, nonlinear materials or follower
+//! **Arc-length method.** Of models whose equilibrium is no polynomial, with bushings, driven joints, nonlinear materials or other follower
 //! loads, Newton's method finds the next equilibrium on a plane across the path, with the load factor as an unknown. It
 //! goes on, too, where power series lead no further, unless these are asked for.
 

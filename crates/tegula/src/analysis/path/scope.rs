@@ -58,7 +58,7 @@ pub fn without_series(reason: &str) -> Issue {
     Issue::new(
         "analysis.method",
         format!("the path cannot be expanded into power series: {reason}"),
-        "take linear materials, joints of quadratic constraints without drives, no springs, and loads of constant direction, or pressures on faces with held edges, that grow from 0 in a \
+        "take linear materials, joints of quadratic constraints without drives, springs of constant stiffness between points, and loads of constant direction, or pressures on faces with held edges, that grow from 0 in a \
          straight line; or leave `method` out for the arc-length method",
     )
 }
