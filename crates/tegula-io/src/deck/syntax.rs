@@ -9,6 +9,11 @@ use super::diagnostic::Source;
 /// are mostly consequences of the first one.
 pub(super) fn diagnostics(source: &Source, errors: &[toml::de::Error]) -> Vec<Diagnostic> {
     let text = source.text();
+    if text.trim_start().starts_with('{') {
+        let start = text.len() - text.trim_start().len();
+        let help = "write tables such as [analysis] and lines key = value; in Python tegula.Model(json.load(file)) takes the same keys from JSON";
+        return vec![source.at(start..start + 1, "", "this is not TOML, but looks like JSON", help)];
+    }
     let mut found: Vec<Diagnostic> = errors
         .iter()
         .map(|error| {

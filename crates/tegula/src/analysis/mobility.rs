@@ -9,10 +9,10 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::constraints::gradients_at;
 use super::{State, equilibrium};
-use crate::Vec3;
 use crate::element::{Nodal, TangentRequest, TangentWeights, VectorKind};
 use crate::system::dof_map::CONSTRAINED;
 use crate::system::{LocalFrames, System};
+use crate::{Mat3, Vec3};
 use tegula_sparse::SymmetricPattern;
 use tegula_sparse::norm::larger;
 
@@ -26,6 +26,10 @@ const ROUND_OFF: f64 = 1e-9;
 /// that strain nothing have terms of round-off alone.
 const NO_ENERGY: f64 = 1e-13;
 const NO_STIFFNESS: f64 = 1e-24;
+/// Component of a direction that its text shows.
+const SHOWN: f64 = 5e-5;
+/// Part of the velocities of nodes that no rigid motion has, below which it is round-off.
+const RIGID: f64 = 1e-4;
 /// Most iterations for the eigenvalues of the stiffness along free motions.
 const MOST_ITERATIONS: usize = 10_000;
 /// Part of a motion, over the largest one, that is round-off.
@@ -73,7 +77,8 @@ struct Mobility {
 impl Mobility {
     fn of(system: &System, state: &State, number: Option<usize>) -> Option<Self> {
         let n = system.unknowns();
-        if n == 0 || n > MOST || system.coordinates.bodies.is_empty() {
+        let has_parts = !system.coordinates.bodies.is_empty() || system.has_springs();
+        if n == 0 || n > MOST || !has_parts {
             return None;
         }
         let frames = equilibrium::frames(system, state);
@@ -267,6 +272,10 @@ pub(super) fn describe(system: &System, u: &[Nodal], field: &[Nodal]) -> Option<
     };
     let size = |(t, w): &(Vec3, Vec3)| t.norm() / system.length + w.norm();
     let bodies = &system.coordinates.bodies;
+    if bodies.is_empty() {
+        let (motion, centre) = motion_of_mesh(system, u, field)?;
+        return Some(format!("the mesh {}", told(system, motion, centre)));
+    }
     let largest = bodies.iter().max_by(|a, b| size(&moves(a)).total_cmp(&size(&moves(b))))?;
     let motion = moves(largest);
     let others = field.iter().enumerate().filter(|(v, _)| system.coordinates.body_of(*v).is_none());
@@ -278,12 +287,45 @@ pub(super) fn describe(system: &System, u: &[Nodal], field: &[Nodal]) -> Option<
     if !(size(&motion) > NOTHING * elsewhere) {
         return None;
     }
-    let (t, w) = motion;
-    let how = if w.norm() * system.length <= NOTHING * t.norm() {
+    let how = told(system, motion, at(largest.centre as usize));
+    let mut with: Vec<String> = bodies
+        .iter()
+        .filter(|body| body.name != largest.name && size(&moves(body)) > NOTHING * size(&motion))
+        .map(|body| format!("\"{}\"", body.name))
+        .collect();
+    if elsewhere > NOTHING * size(&motion) {
+        with.push("nodes of the mesh".into());
+    }
+    let with = if with.is_empty() { String::new() } else { format!(", and with it {}", with.join(", ")) };
+    Some(format!("body \"{}\" {how}{with}", largest.name))
+}
+
+/// Velocity of the centre of all nodes, angular velocity, and the centre, where a field of velocities is that of a rigid body.
+fn motion_of_mesh(system: &System, u: &[Nodal], field: &[Nodal]) -> Option<((Vec3, Vec3), Vec3)> {
+    let is_place = |v: &usize| system.coordinates.kinds[*v] == VectorKind::Position;
+    let places = || (0..system.vectors()).filter(is_place);
+    let at = |v: usize| Vec3::from(system.coordinates.reference[v]) + Vec3::from(u[v]);
+    let mean = |of: &dyn Fn(usize) -> Vec3| places().map(of).sum::<Vec3>() / places().count() as f64;
+    let (centre, t) = (mean(&at), mean(&|v| Vec3::from(field[v])));
+    let arm = |v: usize| at(v) - centre;
+    let moment: Vec3 = places().map(|v| arm(v).cross(&Vec3::from(field[v]))).sum();
+    let inertia: Mat3 =
+        places().map(|v| Mat3::identity() * arm(v).norm_squared() - arm(v) * arm(v).transpose()).sum();
+    let w = inertia.try_inverse()? * moment;
+    let left = places().map(|v| (Vec3::from(field[v]) - t - w.cross(&arm(v))).norm()).fold(0.0, larger);
+    let size = places().map(|v| Vec3::from(field[v]).norm()).fold(0.0, larger);
+    let along = w * (t.dot(&w) / w.norm_squared());
+    let t = if along.norm() <= RIGID * system.length * w.norm() { t - along } else { t };
+    (left <= RIGID * size).then_some(((t, w), centre))
+}
+
+/// Motion with this velocity and angular velocity of a point, as text.
+fn told(system: &System, (t, w): (Vec3, Vec3), centre: Vec3) -> String {
+    if w.norm() * system.length <= NOTHING * t.norm() {
         let t = axis(t);
         format!("moves along ({}, {}, {})", number(t.x), number(t.y), number(t.z))
     } else {
-        let p = at(largest.centre as usize) + w.cross(&t) / w.norm_squared();
+        let p = centre + w.cross(&t) / w.norm_squared();
         let along = t.dot(&w) / w.norm_squared();
         let a = axis(w);
         let pitch = if along.abs() > NOTHING * system.length {
@@ -300,23 +342,13 @@ pub(super) fn describe(system: &System, u: &[Nodal], field: &[Nodal]) -> Option<
             number(a.y),
             number(a.z)
         )
-    };
-    let mut with: Vec<String> = bodies
-        .iter()
-        .filter(|body| body.name != largest.name && size(&moves(body)) > NOTHING * size(&motion))
-        .map(|body| format!("\"{}\"", body.name))
-        .collect();
-    if elsewhere > NOTHING * size(&motion) {
-        with.push("nodes of the mesh".into());
     }
-    let with = if with.is_empty() { String::new() } else { format!(", and with it {}", with.join(", ")) };
-    Some(format!("body \"{}\" {how}{with}", largest.name))
 }
 
 /// Direction of a vector, with a positive first component.
 fn axis(v: Vec3) -> Vec3 {
     let v = v.normalize();
-    let first = v.iter().copied().find(|x| x.abs() > NOTHING).unwrap_or(1.0);
+    let first = v.iter().copied().find(|x| x.abs() > SHOWN).unwrap_or(1.0);
     v * first.signum()
 }
 

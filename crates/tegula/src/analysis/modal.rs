@@ -55,6 +55,9 @@ const HIDDEN: f64 = 1e-2;
 /// Rayleigh quotient of the strain energy by δ²/d only: it is right as long as this is a small part of λ.
 const APART: [f64; 2] = [0.3, 1e-6];
 
+/// Rayleigh quotient over that of the material stiffness up to which stresses cancel this stiffness: the mode is that of a critical point.
+const NEUTRAL: f64 = 1e-7;
+
 /// A vibration mode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mode {
@@ -407,7 +410,8 @@ fn mode(
     if !free {
         refuse_residual(&format!("a mode of ω² = {lambda:.4e}"), pair.residual)?;
     }
-    if !free && !is_resolved(exact, lambda, distance) {
+    let neutral = exact.abs() <= NEUTRAL * strain_energy.material;
+    if !(free || neutral || is_resolved(exact, lambda, distance)) {
         return Err(hidden(format!(
             "a mode of ω² = {exact:.4e} by its strain energy has {lambda:.4e} by the assembled stiffness"
         )));

@@ -2,7 +2,7 @@
 
 use crate::beams::rectangle;
 use crate::common::{Notes, compile, vector_load};
-use crate::multibody::{axis_joint, between, body, gravity, revolute, spherical};
+use crate::multibody::{axis_joint, between, body, gravity, revolute, spherical, spring};
 use crate::patches::{hub, strip};
 use tegula::analysis::{Silent, path, statics};
 use tegula::model::*;
@@ -70,6 +70,28 @@ fn motions_that_weights_hold_are_not_refused() {
     m.joints = vec![spherical("ground", "weight", [0.0; 3])];
     let refusal = refusal_of_statics(&m).expect("the weight may turn about its axis");
     assert!(refusal.contains("along (0.0000, 0.0000, 1.0000)"), "{refusal}");
+}
+
+/// A plate that hangs on a spring in its middle may turn about the vertical axis, and its sag holds it against others. Without bodies it is the mesh that moves.
+#[test]
+fn free_motions_of_meshes_on_springs_are_refused_by_name() {
+    let mut m = crate::common::model(crate::common::plate([1.0, 1.0], [2, 2], 0.0), 2e11, 0.01);
+    let (x, y, tolerance) = (Some([0.5; 2]), Some([0.5; 2]), None);
+    m.sets =
+        vec![MeshSet::Box(BoxSet { name: "middle".into(), x, y, z: None, within: "all".into(), tolerance })];
+    if let Some(Material::Isotropic(material)) = m.materials.values_mut().next() {
+        material.density = 7800.0;
+    }
+    m.conditions.clear();
+    m.springs = vec![spring("rope", ["ground", "middle"], [[0.5, 0.5, 1.0], [0.5, 0.5, 0.0]], 1e4)];
+    m.loads = gravity([0.0, 0.0, -9.81]);
+    m.analysis = Analysis::Static(StaticAnalysis::default());
+    let refusal = refusal_of_statics(&m).expect("the plate may turn");
+    assert!(refusal.contains("the mesh turns about the axis through (0.5000, 0.5000,"), "{refusal}");
+    assert!(
+        refusal.contains("1 motion(s) free") && refusal.contains("along (0.0000, 0.0000, 1.0000)"),
+        "{refusal}"
+    );
 }
 
 /// A column of square section on a ball and a universal joint buckles in any direction. The paths that cross there are a family, along which the

@@ -1,9 +1,9 @@
 //! Paths that go over to the other path at a bifurcation, or begin at one, on the pinned arch of symmetry.
 
 use crate::arches::{arch, critical_loads};
-use crate::common::{Notes, compile, vector_load};
-use tegula::analysis::State;
+use crate::common::{Notes, compile, model, on, plate, vector_load};
 use tegula::analysis::path::{self, CriticalKind, PathOutcome};
+use tegula::analysis::{State, modal};
 use tegula::compile::Compiler;
 use tegula::mesh::generators::generate;
 use tegula::model::*;
@@ -137,5 +137,31 @@ fn a_path_passes_wanted_loads_at_a_bifurcation_and_next_to_its_end() {
                 assert!((load - exact).abs() < 1e-6, "{method:?} {part}: {load} {exact}");
             }
         }
+    }
+}
+
+/// At the bifurcation of a column the stresses cancel the stiffness of its first mode, whose frequency vanishes.
+#[test]
+fn the_first_mode_at_a_bifurcation_has_no_frequency() {
+    for element in [ElementKind::Mitc4, ElementKind::Ems] {
+        let mut m = model(plate([1.0, 0.05], [20, 1], 0.0), 2e11, 0.01);
+        m.sections[0].element = element;
+        m.conditions = vec![Condition::Clamp(on("u_min"))];
+        let euler = std::f64::consts::PI.powi(2) * 2e11 * 0.01_f64.powi(3) / 12.0 / 4.0;
+        m.loads = vec![Load::Edge(vector_load("u_max", [-euler, 0.0, 0.0]))];
+        let end_at = Some(PathEnd::Bifurcation);
+        let to_bifurcation = Analysis::Path(PathAnalysis { end_load: 1.3, end_at, ..Default::default() });
+        let vibration = Analysis::Modal(ModalAnalysis::new(2));
+        m.steps = vec![AnalysisStep::new("path", to_bifurcation), AnalysisStep::new("modes", vibration)];
+        let mesh = generate(&m.mesh).unwrap();
+        let mut compiler = Compiler::new(&m, &mesh).unwrap();
+        let system = compiler.system(0, None).unwrap();
+        let Analysis::Path(options) = &compiler.steps()[0].model.analysis else { unreachable!() };
+        let state = path::run(&system, options, None, &mut Notes::default()).unwrap().state;
+        compiler.end_step(0, state.time);
+        let system = compiler.system(1, Some(state.end_of_step())).unwrap();
+        let modes = modal::run(&system, 2, Some(&state), &mut Notes::default()).unwrap().modes;
+        let [first, second] = [modes[0].omega, modes[1].omega];
+        assert!(first.abs() < 1e-4 * second && second > 0.0, "{element:?}: {first} {second}");
     }
 }

@@ -135,3 +135,34 @@ fn displacements_that_do_not_follow_velocities_beside_dampers_are_told() {
         }
     }
 }
+
+/// A load that jumps on the way, and material that creeps slowly, make displacements miss the velocities, too; with a load that grows from 0 they follow.
+#[test]
+fn displacements_beside_dampers_are_watched_in_all_steps_and_materials() {
+    let generalized = Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius: 0.5 });
+    let told = |m: &Model| {
+        let mut notes = Notes::default();
+        run(&with_scheme(m, generalized, 1.0, 0.01), &mut notes);
+        notes.warnings.iter().filter(|text| text.contains("do not follow the velocities")).count()
+    };
+    let following = |amplitude: Amplitude| {
+        let mut m = dashpot(1e6);
+        m.amplitudes.insert("a".into(), amplitude);
+        let mut load = vector_load("mass", [1.0, 0.0, 0.0]);
+        load.amplitude = Some("a".into());
+        m.loads = vec![Load::Force(load)];
+        m
+    };
+    let table = |times: Vec<f64>, values: Vec<f64>| Amplitude::Table(TableAmplitude { times, values });
+    assert_eq!(told(&following(table(vec![0.0, 0.5, 0.500_000_1, 1.0], vec![0.0, 0.0, 1.0, 1.0]))), 1);
+    assert_eq!(told(&following(table(vec![0.0, 1.0], vec![0.0, 1.0]))), 0);
+    for (retardation_time, times) in [(10.0, 1), (1e-3, 0)] {
+        let mut m = crate::common::model(crate::common::plate([1.0, 0.1], [4, 1], 0.0), 1e9, 0.01);
+        m.sections[0].retardation_time = retardation_time;
+        m.sections[0].element = ElementKind::Mitc4;
+        let fix = FixComponents { on: "all".into(), position: vec![Axis::Y, Axis::Z], director: Vec::new() };
+        m.conditions = vec![Condition::Clamp(crate::common::on("u_min")), Condition::Fix(fix)];
+        m.loads = vec![Load::Edge(vector_load("u_max", [1000.0, 0.0, 0.0]))];
+        assert_eq!(told(&m), times, "{retardation_time}");
+    }
+}

@@ -43,6 +43,14 @@ fn numbers_are_written_with_digits_and_a_point() {
 }
 
 #[test]
+fn a_file_of_json_is_told_once() {
+    insta::assert_snapshot!(errors("\n{\n \"analysis\": {\"type\": \"static\"},\n \"loads\": []\n}"), @r#"
+    m.toml:2:1: this is not TOML, but looks like JSON
+      help: write tables such as [analysis] and lines key = value; in Python tegula.Model(json.load(file)) takes the same keys from JSON
+    "#);
+}
+
+#[test]
 fn texts_stand_in_quotes_that_are_closed() {
     insta::assert_snapshot!(errors("type = static"), @r#"
     m.toml:1:8: text must stand in quotes: static

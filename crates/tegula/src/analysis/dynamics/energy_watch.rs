@@ -20,6 +20,12 @@ const FIRST_STEPS: u64 = 20;
 /// Gain in all the first steps together, over the energy that was supplied in them, that is reported.
 const REPORTED_AT_FIRST: f64 = 0.1;
 
+/// Energy that displacements miss beside dampers, over the largest energy, below which it does not matter.
+const NOTICEABLE: f64 = 1e-9;
+
+/// Steps in which stresses of damped material relax to half and less: errors of displacements vanish with them.
+const RELAXED: f64 = 10.0;
+
 /// Change of the total energy in a step, over the largest energy so far, above which the step has lost its way; and the gain of a
 /// scheme that does not conserve it.
 const LOST: f64 = 1e-3;
@@ -77,6 +83,13 @@ impl SuppliedEnergy {
     }
 }
 
+/// Whether errors of displacements beside dampers last longer than some steps: beside springs and bushings, damped material that creeps slowly, and
+/// damping of masses that exceeds them over a step.
+fn lags(system: &System, dt: f64) -> bool {
+    let creeps = system.groups.iter().any(|group| group.retardation_time() > RELAXED * dt);
+    system.has_springs() || creeps || system.mass_damping * dt > 1.0
+}
+
 /// Reports that a motion gains energy, each time that the gain has grown.
 pub(super) struct EnergyWatch {
     /// Lowest sum that an exact integration keeps constant, so far.
@@ -90,6 +103,10 @@ pub(super) struct EnergyWatch {
     largest: f64,
     /// Whether drives or prescribed motions do work, which is known to the error of the reactions only.
     led: bool,
+    /// Energies that displacements miss beside dampers, that were supplied, and that were dissipated, up to the steps judged last.
+    before: [f64; 3],
+    /// Whether displacements that miss velocities were told.
+    told: bool,
 }
 
 impl EnergyWatch {
@@ -103,12 +120,13 @@ impl EnergyWatch {
             total: balance.total,
             supplied: SuppliedEnergy::new(balance),
             largest: 0.0,
+            before: [0.0; 3],
+            told: false,
         }
     }
 
     /// Looks at the energies at the end of a step with this number; `scale` is the largest energy so far, and `unresolved` that of dampers in rates which
-    /// the displacements do not follow. The first steps are judged
-    /// together, at the last of them, when loads have done more work than in the very first one.
+    /// the displacements do not follow. The first steps are judged together, at the last of them, when loads have done more work than in the very first one.
     pub fn look(
         &mut self,
         system: &System,
@@ -117,13 +135,10 @@ impl EnergyWatch {
         observer: &mut dyn Observer,
     ) {
         let supplied = self.supplied.up_to(balance);
-        let judged = step == FIRST_STEPS || last && step < FIRST_STEPS;
-        if judged && system.has_springs() && unresolved > REPORTED_AT_FIRST * supplied {
-            observer.on_warning(&format!(
-                "time {time:.6e}: in the first steps displacements beside dampers do not follow the velocities, and stay wrong: a damper is much \
-                 stiffer than the mass over the step; take the scheme \"energy-momentum\", shorter steps, or loads that grow from 0"
-            ));
+        if step.is_multiple_of(FIRST_STEPS) || last {
+            self.look_at_dampers(system, (balance, unresolved), (time, dt), observer);
         }
+        let judged = step == FIRST_STEPS || last && step < FIRST_STEPS;
         self.lowest = self.lowest.min(balance.total);
         let since_start = balance.total - self.total;
         if !self.led && since_start > energy_of_round_off(system, dt) {
@@ -151,6 +166,31 @@ impl EnergyWatch {
             "time {time:.6e}: the motion has gained {:.0} % of its largest energy: the time steps are too long for it; take shorter or automatic \
              steps, or the scheme \"energy-momentum\"",
             100.0 * gain
+        ));
+    }
+
+    /// Warns where dampers much stiffer than the mass over a step take the velocities to their values in a part of it: the displacements do not follow. Steps
+    /// are judged in groups, by the energy that was supplied or dissipated in them.
+    fn look_at_dampers(
+        &mut self,
+        system: &System,
+        (balance, unresolved): (&Balance, f64),
+        (time, dt): (f64, f64),
+        observer: &mut dyn Observer,
+    ) {
+        let now = [unresolved, self.supplied.largest, balance.dissipated.abs()];
+        let [missed, supplied, dissipated]: [f64; 3] =
+            std::array::from_fn(|i| (now[i] - self.before[i]).abs());
+        self.before = now;
+        let exceeds = missed > REPORTED_AT_FIRST * (supplied + dissipated)
+            && missed > NOTICEABLE * self.supplied.largest;
+        if self.told || !exceeds || !lags(system, dt) {
+            return;
+        }
+        self.told = true;
+        observer.on_warning(&format!(
+            "time {time:.6e}: in the last steps displacements do not follow the velocities where damping is strong, and stay wrong: it is much stiffer than \
+             the mass over the step; take the scheme \"energy-momentum\", shorter steps, or loads and motions without jumps"
         ));
     }
 
