@@ -19,7 +19,7 @@ def from_meshio(mesh: Any) -> dict[str, Any]:
     """The key `mesh` of a model, of type `arrays`, from a `meshio.Mesh`.
 
     Quadrilaterals become elements. Sets of points become node sets, without points of no element; sets and physical groups of quadrilaterals become sets of
-    elements, of lines sets of edges, of vertices sets of nodes. Coordinates are lengths, in the unit of the model.
+    elements, of lines sets of edges, of vertices sets of nodes; groups without a name are called by their number. Coordinates are lengths, in the unit of the model.
 
     Raises `ValueError` for meshes with other cells, such as triangles.
     """
@@ -58,8 +58,12 @@ def from_meshio(mesh: Any) -> dict[str, Any]:
         names = {(int(field[1]), int(field[0])): name for name, field in fields.items() if len(field) == 2}
         for block, tags in enumerate(physical):
             for tag in np.unique(tags):
-                name = names.get((_DIMENSIONS.get(mesh.cells[block].type, -1), int(tag)))
-                if name is not None and name not in mesh.cell_sets:
+                dimension = _DIMENSIONS.get(mesh.cells[block].type)
+                if dimension is None or tag == 0:
+                    continue
+                # A group without a name is called by its number, as by the reader of Gmsh files.
+                name = names.get((dimension, int(tag)), str(tag))
+                if name not in mesh.cell_sets:
                     add(name, block, np.flatnonzero(np.asarray(tags) == tag))
     for name, members in mesh.point_sets.items():
         if ":" in name:

@@ -109,6 +109,7 @@ class Models(unittest.TestCase):
                              field_data={"first": np.array([7, 2]), "end": np.array([7, 1])}, point_sets={"root": [0, 1, 2], "corner": [60]})
         taken = tegula.from_meshio(groups)
         self.assertEqual(taken["quad_sets"]["first"].tolist(), list(range(20)))
+        self.assertEqual(taken["quad_sets"]["8"].tolist(), list(range(20, 40)))
         self.assertAlmostEqual(self.tip(taken) / expected, 1.0, places=9)
         triangles = meshio.Mesh(nodes, [("triangle", [[0, 1, 3]])])
         with self.assertRaisesRegex(ValueError, "1 cells of type triangle"):

@@ -133,7 +133,7 @@ fn pressures_on_bodies(system: &System) -> bool {
 const DISPLACED: f64 = 0.05;
 
 /// Whether the load stiffness of pressures is symmetric, in the reference configuration and in another one: the motions of edges decide, which
-/// supports hold or leave in all configurations.
+/// supports hold or leave in all configurations. A pressure may vanish at one load factor.
 fn pressures_have_potential(system: &System) -> bool {
     let mut free = vec![0.0; system.unknowns()];
     let positions = unknowns_of(system, system.dofs(), VectorKind::Position);
@@ -143,10 +143,9 @@ fn pressures_have_potential(system: &System) -> bool {
     let rest = vec![[0.0; 3]; system.vectors()];
     let mut displaced = rest.clone();
     system.frames.expand(&free, &mut displaced);
-    [rest, displaced].iter().all(|u| {
-        let place = Place { u, time: 1.0, frames: &system.frames };
-        have_potential(system, &place, CirculatoryStiffness::new(system), &[])
-    })
+    let places =
+        [0.0, 1.0].map(|time| [&rest, &displaced].map(|u| Place { u, time, frames: &system.frames }));
+    places.iter().flatten().all(|place| have_potential(system, place, CirculatoryStiffness::new(system), &[]))
 }
 
 fn reason(system: &System) -> Option<String> {
