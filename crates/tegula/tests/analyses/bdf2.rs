@@ -406,3 +406,29 @@ fn steps_that_grow_to_twice_their_length_continue_in_all_units_of_time() {
         assert!(distance < 1e-11, "{unit}: {distance}");
     }
 }
+
+/// A wheel that spins freely loses a fifth of its spin in 50 rad of a quarter each, and nothing to speak of in shorter steps: what numerical damping takes of the
+/// energy is told.
+#[test]
+fn energy_that_numerical_damping_takes_is_told() {
+    let told = |scheme: Scheme, step: f64| {
+        let mut wheel = body("wheel", [0.0; 3], 1.0, Some([0.1; 3]));
+        wheel.angular_velocity = [0.0, 0.0, 25.0];
+        let hinge = revolute("hinge", "ground", "wheel", [0.0; 3], [0.0, 0.0, 1.0]);
+        let m = with_scheme(&machine(1.0, 0.1, vec![wheel], vec![hinge]), scheme, 2.0, step);
+        let mut notes = Notes::default();
+        run(&m, &mut notes);
+        notes.warnings.iter().any(|text| text.contains("numerical damping has taken"))
+    };
+    let generalized = |spectral_radius| Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius });
+    let conserving = Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 });
+    for (scheme, step, is_told) in [
+        (BDF2, 0.01, true),
+        (BDF2, 0.002, false),
+        (generalized(0.0), 0.01, true),
+        (generalized(0.9), 0.01, false),
+        (conserving, 0.01, false),
+    ] {
+        assert_eq!(told(scheme, step), is_told, "{scheme:?} {step}");
+    }
+}

@@ -73,6 +73,7 @@ mod patches;
 mod path_edges;
 mod path_switching;
 mod paths;
+mod preloaded_springs;
 mod pressure_series;
 mod racks;
 mod reactions;

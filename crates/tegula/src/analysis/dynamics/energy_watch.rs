@@ -20,6 +20,9 @@ const FIRST_STEPS: u64 = 20;
 /// Gain in all the first steps together, over the energy that was supplied in them, that is reported.
 const REPORTED_AT_FIRST: f64 = 0.1;
 
+/// Loss of energy by numerical damping over the largest energy that is reported at the end.
+const DAMPED: f64 = 0.1;
+
 /// Energy that displacements miss beside dampers, over the largest energy, below which it does not matter.
 const NOTICEABLE: f64 = 1e-9;
 
@@ -153,12 +156,19 @@ impl EnergyWatch {
             ));
         }
         // Where dampers take what loads supply, the motion itself has little energy.
-        let scale = larger(larger(scale, supplied), larger(balance.kinetic, balance.strain));
-        let gain = (balance.total - self.lowest) / scale;
-        if step <= FIRST_STEPS || scale == 0.0 || gain <= self.next {
+        let most = larger(larger(scale, supplied), larger(balance.kinetic, balance.strain));
+        if last && !self.led && -since_start > DAMPED * most {
+            observer.on_warning(&format!(
+                "numerical damping has taken {:.0} % of the largest energy of the motion; where it is not meant to settle, take shorter or automatic \
+                 steps, or the scheme \"energy-momentum\"",
+                -100.0 * since_start / most
+            ));
+        }
+        let gain = (balance.total - self.lowest) / most;
+        if step <= FIRST_STEPS || most == 0.0 || gain <= self.next {
             return;
         }
-        if gain * scale <= energy_of_round_off(system, dt) {
+        if gain * most <= energy_of_round_off(system, dt) {
             return;
         }
         self.next = GROWTH * gain;

@@ -2,6 +2,7 @@
 
 mod along_path;
 mod judgement;
+mod preload;
 
 use super::continued::on_path;
 use super::failure::{CriticalPoint, Failure, Kind, name};
@@ -78,6 +79,8 @@ pub(super) struct LoadSteps<'a, S> {
     limit_on_path: Option<f64>,
     /// Whether an equilibrium path may lead on from where the last step has failed.
     goes_on: bool,
+    /// State, load factor and failure of the first step where stressed springs are led to their forces.
+    before_preload: Option<Box<(State, StaticEquation, f64, Failure)>>,
     /// Scratch space for the forces in the snap-through test of a step.
     buffers: [Vec<Nodal>; 2],
 }
@@ -120,6 +123,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
                 multipliers: state.multipliers.clone(),
                 angles: state.angles.clone(),
                 penalty: equilibrium::penalty(system, &mut newton.assembly, &state),
+                // The state of a run that is resumed while preloads are led to it.
+                held: if state.time < system.first_load_factor() { preload::of(system) } else { None },
             },
             balance: Balance::default(),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
@@ -130,6 +135,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             factorizations_on_paths: 0,
             limit_on_path: None,
             goes_on: false,
+            before_preload: None,
             buffers: std::array::from_fn(|_| vec![[0.0; 3]; system.vectors()]),
             newton,
             system,
@@ -283,6 +289,9 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
     fn cut_back(&mut self, target: f64, failure: Failure, observer: &mut dyn Observer) -> Result<()> {
         let step = 0.5 * (target - self.state.time);
         if self.has_shortest_length(target) {
+            if self.lead_preload((target, &failure), observer) {
+                return Ok(());
+            }
             observer.on_repeat(&self.statistics);
             return Err(self.give_up(target, &failure));
         }
@@ -304,6 +313,9 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
 
     /// Error of a step that no cut-back can save.
     fn give_up(&mut self, target: f64, failure: &Failure) -> Error {
+        let earlier = self.back_to_reference();
+        let (target, failure) =
+            earlier.as_ref().map_or((target, failure), |(target, failure)| (*target, failure));
         let rounding =
             self.negative_pivots_at_rest(failure).map(|pivots| Failure::of_rounding(self.system, pivots));
         let failure = rounding.as_ref().unwrap_or(failure);
@@ -330,10 +342,12 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             reason: failure.told(system, state, target, critical.as_ref()),
             help: format!(
                 "{}The last equilibrium was at load factor {:.6}. {}",
-                if target <= 0.0 && state.time < 0.0 {
-                    "From load factor -1 to 0 the loads and prescribed values grow to those of their amplitudes at 0. "
-                } else {
-                    ""
+                match &self.equation.held {
+                    _ if target > 0.0 || state.time >= 0.0 => "",
+                    Some(_) =>
+                        "From load factor -1 to 0 the forces of springs grow that are stressed in the reference configuration. ",
+                    None =>
+                        "From load factor -1 to 0 the loads and prescribed values grow to those of their amplitudes at 0. ",
                 },
                 state.time,
                 failure.remedy(system, options, critical.as_ref())
@@ -389,6 +403,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         if self.system.linear || (failure.negative_pivots == 0 && failure.kind != Kind::Leap) {
             return None;
         }
+        let first_load_factor = self.first_load_factor();
         let Self { newton, system, state, equation, .. } = self;
         newton.restore(system, state, is_loaded(system, state));
         let at = |time| StaticEquation { u: state.u.clone(), time, ..equation.clone() };
@@ -397,7 +412,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let first = State::first(system).u;
         let moved: Vec<Nodal> =
             state.u.iter().zip(&first).map(|(u, f)| std::array::from_fn(|i| u[i] - f[i])).collect();
-        let mean = system.norm(&moved) / (state.time - system.first_load_factor());
+        let mean = system.norm(&moved) / (state.time - first_load_factor);
         let softened = response / (target - state.time) / mean;
         let mut critical = CriticalPoint::of(failure, mode, softened)?;
         critical.look_at_enhanced_strains(system, state);
