@@ -32,6 +32,8 @@ const SHOWN: f64 = 5e-5;
 const RIGID: f64 = 1e-4;
 /// Most iterations for the eigenvalues of the stiffness along free motions.
 const MOST_ITERATIONS: usize = 10_000;
+/// Energy of a free motion by the whole tangent, over the sum of its absolute terms, that is round-off.
+const NEUTRAL: f64 = 1e-14;
 /// Part of a motion, over the largest one, that is round-off.
 const NOTHING: f64 = 1e-7;
 
@@ -136,8 +138,7 @@ impl Mobility {
         }
         let restricted = motions.tr_mul(&forces);
         let Some(modes) = SymmetricEigen::try_new(restricted, f64::EPSILON, MOST_ITERATIONS) else { return };
-        let neutral: Vec<usize> =
-            (0..k).filter(|&i| modes.eigenvalues[i].abs() <= NO_ENERGY * terms).collect();
+        let neutral: Vec<usize> = (0..k).filter(|&i| modes.eigenvalues[i].abs() <= NEUTRAL * terms).collect();
         let directions = DMatrix::from_fn(k, neutral.len(), |i, j| modes.eigenvectors[(i, neutral[j])]);
         self.basis = &self.basis * directions;
     }

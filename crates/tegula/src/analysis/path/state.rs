@@ -185,6 +185,14 @@ impl PathState {
         if is_bifurcation(found) && !self.critical.iter().any(is_bifurcation) {
             warn_of_free_motions(system, found, observer);
         }
+        let modes = found.change.unsigned_abs();
+        if is_bifurcation(found) && modes > 1 && (!options.switch_at.is_empty() || options.branches.is_some())
+        {
+            observer.on_warning(&format!(
+                "{modes} modes meet at the bifurcation at load factor {:.6e}: of the paths that cross there one is found on each side, and others are not",
+                found.load
+            ));
+        }
         if let Some(earlier) = self.critical.iter().find(|earlier| earlier.is_passed_again_at(system, found))
         {
             observer.on_event(&format!(

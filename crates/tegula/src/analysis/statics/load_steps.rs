@@ -316,15 +316,15 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let earlier = self.back_to_reference();
         let (target, failure) =
             earlier.as_ref().map_or((target, failure), |(target, failure)| (*target, failure));
+        let free = mobility::free_motions(self.system, &self.state, None);
+        if !free.is_empty() {
+            return of_mechanism(&self.state, target, (&free, failure));
+        }
         let rounding =
             self.negative_pivots_at_rest(failure).map(|pivots| Failure::of_rounding(self.system, pivots));
         let failure = rounding.as_ref().unwrap_or(failure);
         let singular = failure.of_singular_equilibrium(&self.state);
         let failure = singular.as_ref().unwrap_or(failure);
-        let free = mobility::free_motions(self.system, &self.state, None);
-        if !free.is_empty() {
-            return of_mechanism(&self.state, target, (&free, failure));
-        }
         let critical = self.critical_point(target, failure);
         let other = matches!(failure.kind, Kind::Unstable | Kind::Leap | Kind::Iteration(_))
             && failure.kind != Kind::Iteration(Cause::Material);
