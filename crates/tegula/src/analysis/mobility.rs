@@ -79,8 +79,7 @@ struct Mobility {
 impl Mobility {
     fn of(system: &System, state: &State, number: Option<usize>) -> Option<Self> {
         let n = system.unknowns();
-        let has_parts = !system.coordinates.bodies.is_empty() || system.has_springs();
-        if n == 0 || n > MOST || !has_parts {
+        if n == 0 || n > MOST || !system.is_mechanism() {
             return None;
         }
         let frames = equilibrium::frames(system, state);

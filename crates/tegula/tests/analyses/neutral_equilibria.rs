@@ -94,6 +94,26 @@ fn free_motions_of_meshes_on_springs_are_refused_by_name() {
     );
 }
 
+/// A plate that hangs on a ball joint at its corner may turn about the line from there to its centre, whatever round-off makes of the pivots.
+#[test]
+fn free_motions_of_plates_on_ball_joints_are_refused_by_name() {
+    for elements in [[2, 1], [2, 2], [3, 2]] {
+        let mut m = crate::common::model(crate::common::plate([1.0, 1.0], elements, 0.0), 2e11, 0.01);
+        if let Some(Material::Isotropic(material)) = m.materials.values_mut().next() {
+            material.density = 7800.0;
+        }
+        m.conditions.clear();
+        m.joints = vec![spherical("ground", "u_min_v_min", [0.0; 3])];
+        m.loads = gravity([-9.81, -9.81, 0.0]);
+        m.analysis = Analysis::Static(StaticAnalysis::default());
+        let refusal = refusal_of_statics(&m).expect("the plate may turn");
+        assert!(
+            refusal.contains("the model is a mechanism") && refusal.contains("the mesh turns about"),
+            "{elements:?}: {refusal}"
+        );
+    }
+}
+
 /// A column of square section on a ball and a universal joint buckles in any direction. The paths that cross there are a family, along which the
 /// tangent stays singular: the message says so, behind the results up to the bifurcation.
 #[test]
