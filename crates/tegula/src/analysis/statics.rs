@@ -7,8 +7,6 @@ pub mod equilibrium_step;
 mod failure;
 mod load_steps;
 
-use std::sync::Arc;
-
 use super::newton::{Equation, Newton};
 use super::path::{ArcLengthSteps, HandOver};
 use super::solver::Iterative;
@@ -17,7 +15,7 @@ use crate::element::{Motion, Nodal, TangentWeights};
 use crate::load::FollowerLoad;
 use crate::model::{LinearSolver, StaticAnalysis};
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
-use crate::system::{Assembly, EvaluationPoint, Procedure, System, add_multiple, dot};
+use crate::system::{Assembly, EvaluationPoint, Procedure, System, dot};
 use crate::{Error, Result, Vec3};
 
 use tegula_sparse::norm::{larger, max_norm};
@@ -57,8 +55,6 @@ pub struct StaticEquation {
     pub angles: Vec<f64>,
     /// Weight of the augmented Lagrangian of joints [force/length].
     pub penalty: f64,
-    /// Forces that hold a stressed reference configuration at load factor −1, and fade up to 0.
-    pub held: Option<Arc<Vec<Nodal>>>,
 }
 
 impl Equation for StaticEquation {
@@ -75,9 +71,6 @@ impl Equation for StaticEquation {
         out.fill([0.0; 3]);
         system.add_dead_loads(self.time, 1.0, out);
         add_follower_loads(system, &self.motion(), self.time, 1.0, out);
-        if let Some(held) = self.held.as_ref().filter(|_| self.time < 0.0) {
-            add_multiple(out, -self.time, held);
-        }
     }
 
     fn apply(&mut self, system: &System, increment: &[Nodal]) {

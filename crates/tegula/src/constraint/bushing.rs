@@ -209,9 +209,9 @@ impl Bushing {
         turn.axial * turn.factor
     }
 
-    /// Forces conjugate to the strains.
-    pub(super) fn force(&self, d: &Deformation) -> Vector6<f64> {
-        self.stiffness * ((d.strains[0] + d.strains[1]) * 0.5 - self.free) + self.damping * d.rate
+    /// Forces conjugate to the strains, with this part of those in the reference configuration.
+    pub(super) fn force(&self, d: &Deformation, preload: f64) -> Vector6<f64> {
+        self.stiffness * ((d.strains[0] + d.strains[1]) * 0.5 - self.free * preload) + self.damping * d.rate
     }
 
     /// Stored energy at the end of a motion.

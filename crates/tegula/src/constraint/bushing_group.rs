@@ -93,7 +93,7 @@ impl ElementGroup for BushingGroup {
         for (e, out) in forces.chunks_mut(3 * n).enumerate() {
             let bushing = &self.members[first + e];
             let deformation = bushing.deformation(k, Self::committed(k, first + e));
-            let force = bushing.force(&deformation);
+            let force = bushing.force(&deformation, k.preload);
             let v = few(&bushing.vectors, |v| current(k, v));
             let on_vectors = bushing.gradient(&v, &Bushing::factors(&force, &deformation));
             for (out, f) in out.chunks_exact_mut(3).zip(&on_vectors) {

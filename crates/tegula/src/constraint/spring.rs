@@ -191,6 +191,16 @@ impl Spring {
         self.sum(weights, Vec3::zeros(), |v| Vec3::from(field[v]))
     }
 
+    /// Force at lengths and a rate, with the part of the force in the reference configuration that acts.
+    fn force(&self, k: &GroupPoint, lengths: [f64; 2], rate: f64) -> Partials {
+        let mut force = self.law.force(lengths, rate, k.time);
+        if k.preload != 1.0 {
+            let start = self.length(|v| Vec3::from(k.reference[v]));
+            force.value -= (1.0 - k.preload) * self.law.force([start; 2], 0.0, k.time).value;
+        }
+        force
+    }
+
     /// Writes the forces on the nodal vectors that do the work of a force on the vector between the points, or across the axis.
     fn write_forces(&self, k: &GroupPoint, force: &Vec3, out: &mut [f64]) {
         match &self.measure {
@@ -318,7 +328,7 @@ impl ElementGroup for SpringGroup {
         for (e, out) in forces.chunks_mut(3 * n).enumerate() {
             let spring = &self.members[first + e];
             let Stretch { lengths, rate, x } = spring.motion(k);
-            let spring_force = spring.law.force(lengths, rate, k.time);
+            let spring_force = spring.force(k, lengths, rate);
             let intensity = spring.intensity(lengths, &spring_force);
             spring.write_forces(k, &(x * intensity), out);
             let Some(request) = &mut tangent else { continue };

@@ -132,8 +132,13 @@ impl TorsionSpring {
         self.angle.cosine.add_second_derivative(-bent * g / square, 0.0, blocks);
     }
 
-    fn moment(&self, turn: &Turn, time: f64) -> Partials {
-        self.law.force(turn.angles, turn.rate, time)
+    /// Moment of a motion, with the part of the moment in the reference configuration that acts.
+    fn moment(&self, turn: &Turn, k: &GroupPoint) -> Partials {
+        let mut moment = self.law.force(turn.angles, turn.rate, k.time);
+        if k.preload != 1.0 {
+            moment.value -= (1.0 - k.preload) * self.law.force([0.0; 2], 0.0, k.time).value;
+        }
+        moment
     }
 
     /// Angle (rad) and moment in a state; at the mean rate of the last step where it began at the motion `before` and had this length.
@@ -147,7 +152,7 @@ impl TorsionSpring {
         if let Some((before, dt)) = last_step {
             turn.rate = (turn.angles[1] - self.angle(before, Self::committed(k, number))) / dt;
         }
-        [turn.angles[1], self.moment(&turn, k.time).value]
+        [turn.angles[1], self.moment(&turn, k).value]
     }
 }
 
@@ -232,7 +237,7 @@ impl ElementGroup for TorsionSpringGroup {
         for (e, out) in forces.chunks_mut(3 * n).enumerate() {
             let spring = &self.members[first + e];
             let turn = spring.turn(k, first + e);
-            let Partials { value: moment, by_position, by_rate } = spring.moment(&turn, k.time);
+            let Partials { value: moment, by_position, by_rate } = spring.moment(&turn, k);
             for (out, w) in out.chunks_exact_mut(3).zip(&turn.gradient) {
                 out.copy_from_slice((w * moment).as_slice());
             }
@@ -261,7 +266,7 @@ impl ElementGroup for TorsionSpringGroup {
             let displacement = |v: u32| Vec3::from(increment.displacements[v as usize]);
             let of_vectors = spring.angle.vectors.iter().zip(&turn.gradient);
             let angle: f64 = of_vectors.map(|(&v, w)| w.dot(&displacement(v))).sum();
-            let moment = spring.moment(&turn, k.time).by_position * angle;
+            let moment = spring.moment(&turn, k).by_position * angle;
             for (out, w) in out.chunks_exact_mut(3).zip(&turn.gradient) {
                 out.copy_from_slice((w * moment).as_slice());
             }
@@ -274,7 +279,7 @@ impl ElementGroup for TorsionSpringGroup {
             let turn = spring.turn(k, number);
             let of_vectors = spring.angle.vectors.iter().zip(&turn.gradient);
             let angle: f64 = of_vectors.map(|(&v, w)| w.dot(&Vec3::from(motion[v as usize]))).sum();
-            *energy = 0.5 * spring.moment(&turn, k.time).by_position * angle * angle;
+            *energy = 0.5 * spring.moment(&turn, k).by_position * angle * angle;
         }
     }
 

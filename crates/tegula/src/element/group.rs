@@ -90,6 +90,8 @@ pub struct GroupPoint<'a> {
     pub time: f64,
     /// Value of the drive of each joint at the time at which forces act; 0 for joints without one.
     pub drives: &'a [f64],
+    /// Part of the forces that springs and bushings have in the reference configuration which acts: 1 but in load steps before load factor 0.
+    pub preload: f64,
 }
 
 /// History (internal) variables and factors of the prescribed strains: they determine the stress besides the

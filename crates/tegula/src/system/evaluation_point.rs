@@ -71,6 +71,7 @@ impl<'a> EvaluationPoint<'a> {
             multipliers: self.internal.multipliers,
             time: system.time_of_drives(self.time),
             drives,
+            preload: system.part_of_preload(self.time),
         }
     }
 }

@@ -52,6 +52,7 @@ fn point<'a>(system: &'a System, motion: Motion<'a>, history: &'a [f64]) -> Grou
         multipliers: &[],
         time: 0.0,
         drives: &[],
+        preload: 1.0,
     }
 }
 

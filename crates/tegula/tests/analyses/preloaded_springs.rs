@@ -1,9 +1,9 @@
 //! Statics of springs that are stressed in the reference configuration.
 
-use crate::arc_length::Record;
+use crate::arc_length::{Record, centre};
 use crate::bushings::bushing;
 use crate::common::{compile, static_options, vector_load};
-use crate::multibody::{body, pose, revolute, spring, torsion_spring};
+use crate::multibody::{axis_joint, body, pose, revolute, spring, torsion_spring};
 use tegula::analysis::statics;
 use tegula::model::*;
 
@@ -81,4 +81,62 @@ fn stressed_springs_are_led_to_their_forces_where_no_step_leads_from_the_referen
     let (_, turned) = pose(&system, &found.state, 0);
     let angle = (0.5 * (turned.trace() - 1.0)).acos().to_degrees();
     assert!(angle > 5.0 && angle < 20.0, "{angle}");
+}
+
+/// Two compressed springs push a body on a slide away from the line between their supports, to its own side: with the free length l and `L = √(b² + z²)` the equilibrium
+/// has `2 k (l/L − 1) z = P`. The tangent of the reference configuration is negative, and Newton's method from there may end on the other side.
+#[test]
+fn compressed_springs_push_a_body_to_its_own_side() {
+    let (b, h, k) = (2.0_f64, 0.5_f64, 300.0);
+    for free in [2.1, 2.15, 2.19, 2.195, 2.2, 2.3, 2.5, 3.0] {
+        for force in [-1.0, 1.0] {
+            let slide = axis_joint("slide", "ground", "apex", [0.0, 0.0, h], [0.0, 0.0, 1.0]);
+            let apex = body("apex", [0.0, 0.0, h], 1.0, Some([0.01; 3]));
+            let analysis = Analysis::Static(StaticAnalysis::default());
+            let mut m = Model::of_bodies(analysis, vec![apex], vec![Joint::Prismatic(slide.into())]);
+            m.springs = [("left", -b), ("right", b)]
+                .map(|(name, x)| {
+                    let mut leg = spring(name, ["ground", "apex"], [[x, 0.0, 0.0], [0.0, 0.0, h]], k);
+                    leg.length = Some(free);
+                    leg
+                })
+                .to_vec();
+            m.loads = vec![Load::Force(vector_load("apex", [0.0, 0.0, force]))];
+            let (_, system) = compile(&m);
+            let mut record = Record::default();
+            let state = statics::run(&system, &static_options(&m), None, &mut record)
+                .unwrap_or_else(|error| panic!("{free} {force}: {error} {:?}", record.events))
+                .state;
+            let z = centre(&system, &state, "apex").z;
+            let push = 2.0 * k * (free / b.hypot(z) - 1.0) * z + force;
+            assert!(z > h - 0.1 && push.abs() < 1e-7, "{free} {force}: {z} {push:e}");
+        }
+    }
+}
+
+/// A body that taut wires hold by their tension alone has no equilibrium without it: its first step is taken from the reference configuration.
+#[test]
+fn bodies_that_tension_alone_holds_come_to_equilibrium() {
+    let mut m = Model::of_bodies(
+        Analysis::Static(StaticAnalysis::default()),
+        vec![body("bead", [0.0; 3], 1.0, None)],
+        Vec::new(),
+    );
+    m.springs = [("left", -1.0), ("right", 1.0)]
+        .map(|(name, x)| {
+            let mut wire = spring(name, ["ground", "bead"], [[x, 0.0, 0.0], [0.0; 3]], 100.0);
+            wire.length = Some(0.5);
+            wire
+        })
+        .to_vec();
+    m.loads = vec![Load::Force(vector_load("bead", [0.0, 1.0, 0.5]))];
+    let (_, system) = compile(&m);
+    let state = statics::run(&system, &static_options(&m), None, &mut Record::default()).unwrap().state;
+    let at = centre(&system, &state, "bead");
+    let length = (1.0 + at.y * at.y + at.z * at.z).sqrt();
+    let pull = 2.0 * 100.0 * (1.0 - 0.5 / length);
+    assert!(
+        (pull * at.y - 1.0).abs() < 1e-8 && (pull * at.z - 0.5).abs() < 1e-8 && at.x.abs() < 1e-12,
+        "{at}"
+    );
 }

@@ -224,6 +224,7 @@ pub fn tangent_of_group_is_derivative(
             multipliers: &[],
             time: 0.0,
             drives: &[],
+            preload: 1.0,
         };
         group.evaluate(&k, 0, &mut forces, request);
         forces

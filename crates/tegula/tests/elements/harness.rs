@@ -146,6 +146,7 @@ impl Element {
             multipliers: &[],
             time: 0.0,
             drives: &[],
+            preload: 1.0,
         })
     }
 

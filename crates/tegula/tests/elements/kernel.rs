@@ -181,6 +181,7 @@ fn both_kernels_agree() {
                         multipliers: &[],
                         time: 0.0,
                         drives: &[],
+                        preload: 1.0,
                     };
                     let pairs = everything(e.fast.as_ref(), &k, &w).into_iter().zip(everything(
                         e.general.as_ref(),
@@ -219,6 +220,7 @@ fn parts_are_evaluated_alike() {
         multipliers: &[],
         time: 0.0,
         drives: &[],
+        preload: 1.0,
     };
     let mut whole = vec![0.0; 30 * 24];
     e.fast.evaluate(&k, 0, &mut whole, None);

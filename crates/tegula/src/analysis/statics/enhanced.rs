@@ -27,6 +27,7 @@ pub(super) fn share(system: &System, u: &[Nodal], mode: &[Nodal]) -> Option<f64>
         interior: InternalVariables { history: &[], factors: &[] },
         time: 0.0,
         drives: &[],
+        preload: 1.0,
         inextensible: &system.coordinates.inextensible,
         multipliers: &[],
     };

@@ -79,8 +79,10 @@ pub(super) struct LoadSteps<'a, S> {
     limit_on_path: Option<f64>,
     /// Whether an equilibrium path may lead on from where the last step has failed.
     goes_on: bool,
-    /// State, load factor and failure of the first step where stressed springs are led to their forces.
-    before_preload: Option<Box<(State, StaticEquation, f64, Failure)>>,
+    /// First step from a stressed reference configuration, where its springs are led to their forces.
+    before_preload: Option<Box<preload::FirstStep>>,
+    /// Whether the first step from a stressed reference configuration is taken as it is found.
+    as_found: bool,
     /// Scratch space for the forces in the snap-through test of a step.
     buffers: [Vec<Nodal>; 2],
 }
@@ -123,8 +125,6 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
                 multipliers: state.multipliers.clone(),
                 angles: state.angles.clone(),
                 penalty: equilibrium::penalty(system, &mut newton.assembly, &state),
-                // The state of a run that is resumed while preloads are led to it.
-                held: if state.time < system.first_load_factor() { preload::of(system) } else { None },
             },
             balance: Balance::default(),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
@@ -136,6 +136,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             limit_on_path: None,
             goes_on: false,
             before_preload: None,
+            as_found: false,
             buffers: std::array::from_fn(|_| vec![[0.0; 3]; system.vectors()]),
             newton,
             system,
@@ -289,7 +290,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
     fn cut_back(&mut self, target: f64, failure: Failure, observer: &mut dyn Observer) -> Result<()> {
         let step = 0.5 * (target - self.state.time);
         if self.has_shortest_length(target) {
-            if self.lead_preload((target, &failure), observer) {
+            if self.lead_preload((target, &failure), observer) || self.takes_first_step(observer) {
                 return Ok(());
             }
             observer.on_repeat(&self.statistics);
@@ -342,12 +343,12 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             reason: failure.told(system, state, target, critical.as_ref()),
             help: format!(
                 "{}The last equilibrium was at load factor {:.6}. {}",
-                match &self.equation.held {
-                    _ if target > 0.0 || state.time >= 0.0 => "",
-                    Some(_) =>
-                        "From load factor -1 to 0 the forces of springs grow that are stressed in the reference configuration. ",
-                    None =>
-                        "From load factor -1 to 0 the loads and prescribed values grow to those of their amplitudes at 0. ",
+                if target <= 0.0 && self.leads_springs() {
+                    "From load factor -1 to 0 the forces of springs grow that are stressed in the reference configuration. "
+                } else if target <= 0.0 && state.time < 0.0 {
+                    "From load factor -1 to 0 the loads and prescribed values grow to those of their amplitudes at 0. "
+                } else {
+                    ""
                 },
                 state.time,
                 failure.remedy(system, options, critical.as_ref())
@@ -456,11 +457,15 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
                 self.newton.solver.tangents() as u64 + self.factorizations_on_paths;
             self.statistics.linear_iterations = self.newton.linear_iterations();
             match outcome? {
-                Ok(converged) => {
-                    self.refuse_one_of_many(target)?;
-                    self.accept(target, &converged, observer);
-                    return Ok(converged.iterations);
-                }
+                Ok(converged) if self.leaves_stressed_reference(target, &converged, observer) => {}
+                Ok(converged) => match self.loses_its_way(&converged).filter(|_| self.leads_springs()) {
+                    Some(failure) => self.cut_back(target, failure, observer)?,
+                    None => {
+                        self.refuse_one_of_many(target)?;
+                        self.accept(target, &converged, observer);
+                        return Ok(converged.iterations);
+                    }
+                },
                 Err(failure) => self.cut_back(target, failure, observer)?,
             }
         }
