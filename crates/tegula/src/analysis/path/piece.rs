@@ -177,7 +177,7 @@ impl Piece {
             let mode = leaving(system, expansion, &series, (found, sign))?;
             let crossing =
                 onto_branch(system, expansion, at, (&mode, options.end_load)).map_err(|passed| NoPiece {
-                    reason: branch::not_found(passed),
+                    reason: branch::not_found(passed) + &meeting(found.point.change),
                     wanted_too_near: passed.is_some(),
                 })?;
             branch = Some((crossing, mode));
@@ -312,6 +312,14 @@ impl Piece {
     pub fn negative_at(&self, position: f64) -> usize {
         let passed = self.critical.iter().filter(|point| point.position <= position);
         (self.negative as i32 + passed.map(|point| point.change).sum::<i32>()).max(0) as usize
+    }
+}
+
+/// Part of a message about the modes that meet at a bifurcation with this change of the negative eigenvalues.
+fn meeting(change: i32) -> String {
+    match change.unsigned_abs() {
+        0 | 1 => String::new(),
+        modes => format!(", where {modes} modes meet; let a small imperfection choose one of them"),
     }
 }
 

@@ -289,6 +289,10 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
     /// Cuts a step that failed back to half its length, or gives up.
     fn cut_back(&mut self, target: f64, failure: Failure, observer: &mut dyn Observer) -> Result<()> {
         let step = 0.5 * (target - self.state.time);
+        // A path begins in equilibrium only.
+        if self.options.continuation.is_some() && self.lead_preload((target, &failure), observer) {
+            return Ok(());
+        }
         if self.has_shortest_length(target) {
             if self.lead_preload((target, &failure), observer) || self.takes_first_step(observer) {
                 return Ok(());
@@ -296,7 +300,9 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             observer.on_repeat(&self.statistics);
             return Err(self.give_up(target, &failure));
         }
-        let may_go_on = self.options.continuation.is_some() && self.equation.attempts >= BEFORE_PATH;
+        let may_go_on = self.options.continuation.is_some()
+            && !self.leads_springs()
+            && self.equation.attempts >= BEFORE_PATH;
         if may_go_on && self.critical_point(target, &failure).is_some() {
             return Err(self.give_up(target, &failure));
         }
@@ -329,7 +335,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let critical = self.critical_point(target, failure);
         let other = matches!(failure.kind, Kind::Unstable | Kind::Leap | Kind::Iteration(_))
             && failure.kind != Kind::Iteration(Cause::Material);
-        self.goes_on = critical.is_some() || other;
+        self.goes_on = (critical.is_some() || other) && !self.leads_springs();
         let (system, options, state) = (self.system, self.options, &self.state);
         let unknown = critical.is_none() && matches!(failure.kind, Kind::Rounding | Kind::Iteration(_));
         if let Some(spring) = [&state.u, &self.equation.u].into_iter().filter(|_| unknown).find_map(|u| {

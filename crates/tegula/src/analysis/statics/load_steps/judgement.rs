@@ -93,6 +93,7 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
         };
         // Preloaded springs are out of equilibrium in the reference configuration, and release energy on the way to the first one.
         let preloaded = state.step == 0
+            && state.time >= 0.0
             && !system.continues()
             && newton.assembly.strain_energy(system, &state.point(system)) > 0.0;
         let mut doubt = released.or(away).filter(|_| !preloaded);
