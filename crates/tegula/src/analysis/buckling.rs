@@ -98,7 +98,7 @@ pub fn run(
 fn stable_base(problem: &mut Problem) -> Result<()> {
     let system = problem.system;
     let held = "Support the model, or let springs hold it, so that no part can move without strain.";
-    let free = mobility::free_motions(system, &problem.state, None);
+    let free = mobility::neutral_motions(system, &problem.state);
     if !free.is_empty() {
         return Err(Error::Singular {
             what: format!("The model is a mechanism in its base state, without load: {}.", free.join("; ")),

@@ -43,12 +43,14 @@ pub(super) fn free_motions(system: &System, state: &State, number: Option<usize>
     Mobility::of(system, state, number).map_or_else(Vec::new, |mobility| mobility.describe(system, state))
 }
 
-/// Free motions of an equilibrium which neither stresses nor loads hold or drive, each as text: every position along them is an equilibrium.
-/// None where the model has no joints, or more than a few hundred degrees of freedom.
+/// Whether the free motions of each equilibrium of a model are searched: it is a mechanism, and the search costs little.
+pub(super) fn is_searched(system: &System) -> bool {
+    system.is_mechanism() && system.unknowns() <= MOST_AT_EQUILIBRIUM
+}
+
+/// Free motions of a state which neither stresses nor loads hold or drive, each as text: every position along them is an equilibrium.
+/// None where the model has no joints, or is too large for the search.
 pub(super) fn neutral_motions(system: &System, state: &State) -> Vec<String> {
-    if system.unknowns() > MOST_AT_EQUILIBRIUM || !system.is_mechanism() {
-        return Vec::new();
-    }
     let Some(mut mobility) = Mobility::of(system, state, None).filter(|found| found.basis.ncols() > 0) else {
         return Vec::new();
     };

@@ -3,8 +3,9 @@
 use crate::arc_length::{Record, centre};
 use crate::bushings::bushing;
 use crate::common::{compile, static_options, vector_load};
-use crate::multibody::{axis_joint, body, pose, revolute, spring, torsion_spring};
-use tegula::analysis::statics;
+use crate::buckling::modes;
+use crate::multibody::{axis_joint, between, body, pose, revolute, spring, torsion_spring};
+use tegula::analysis::{Stepper, statics};
 use tegula::model::*;
 
 /// A body on a hinge with a torsion spring of stiffness c, which a spring of stiffness k pulls around: with the anchor (0, 2) and the point (cos φ, sin φ) of the
@@ -60,7 +61,7 @@ fn stressed_springs_are_led_to_their_forces_where_no_step_leads_from_the_referen
     let (_, system) = compile(&m);
     let mut record = Record::default();
     let found = statics::run(&system, &static_options(&m), None, &mut record).unwrap();
-    assert!(record.events.iter().any(|event| event.contains("led to their forces")), "{:?}", record.events);
+    assert!(record.events.iter().any(|event| event.contains("ramped from load factor -1 to 0")), "{:?}", record.events);
     // The energy has a minimum there: it grows along every small motion of the body.
     let energy = |increment: &[f64]| {
         let u = tegula::analysis::equilibrium::moved(&system, &found.state, increment);
@@ -83,35 +84,62 @@ fn stressed_springs_are_led_to_their_forces_where_no_step_leads_from_the_referen
     assert!(angle > 5.0 && angle < 20.0, "{angle}");
 }
 
+/// A body on a slide between two springs with this free length, under a force with an amplitude.
+fn compressed(free: f64, force: f64, amplitude: Option<&str>) -> Model {
+    let slide = axis_joint("slide", "ground", "apex", [0.0, 0.0, 0.5], [0.0, 0.0, 1.0]);
+    let apex = body("apex", [0.0, 0.0, 0.5], 1.0, Some([0.01; 3]));
+    let analysis = Analysis::Static(StaticAnalysis::default());
+    let mut m = Model::of_bodies(analysis, vec![apex], vec![Joint::Prismatic(slide.into())]);
+    m.springs = [("left", -2.0), ("right", 2.0)]
+        .map(|(name, x)| {
+            let mut leg = spring(name, ["ground", "apex"], [[x, 0.0, 0.0], [0.0, 0.0, 0.5]], 300.0);
+            leg.length = Some(free);
+            leg
+        })
+        .to_vec();
+    let load = VectorLoad { amplitude: amplitude.map(Into::into), ..vector_load("apex", [0.0, 0.0, force]) };
+    m.loads = vec![Load::Force(load)];
+    m.amplitudes.insert("held".into(), Amplitude::Constant(ConstantAmplitude { value: 1.0 }));
+    m
+}
+
 /// Two compressed springs push a body on a slide away from the line between their supports, to its own side: with the free length l and `L = √(b² + z²)` the equilibrium
 /// has `2 k (l/L − 1) z = P`. The tangent of the reference configuration is negative, and Newton's method from there may end on the other side.
+/// The first load step ends at its load factor whether or not the preload is ramped in it, and whether or not its load has a constant amplitude.
 #[test]
 fn compressed_springs_push_a_body_to_its_own_side() {
-    let (b, h, k) = (2.0_f64, 0.5_f64, 300.0);
     for free in [2.1, 2.15, 2.19, 2.195, 2.2, 2.3, 2.5, 3.0] {
-        for force in [-1.0, 1.0] {
-            let slide = axis_joint("slide", "ground", "apex", [0.0, 0.0, h], [0.0, 0.0, 1.0]);
-            let apex = body("apex", [0.0, 0.0, h], 1.0, Some([0.01; 3]));
-            let analysis = Analysis::Static(StaticAnalysis::default());
-            let mut m = Model::of_bodies(analysis, vec![apex], vec![Joint::Prismatic(slide.into())]);
-            m.springs = [("left", -b), ("right", b)]
-                .map(|(name, x)| {
-                    let mut leg = spring(name, ["ground", "apex"], [[x, 0.0, 0.0], [0.0, 0.0, h]], k);
-                    leg.length = Some(free);
-                    leg
-                })
-                .to_vec();
-            m.loads = vec![Load::Force(vector_load("apex", [0.0, 0.0, force]))];
+        for (force, amplitude) in [(-1.0, None), (1.0, None), (-1.0, Some("held")), (1.0, Some("held"))] {
+            let m = compressed(free, force, amplitude);
             let (_, system) = compile(&m);
             let mut record = Record::default();
             let state = statics::run(&system, &static_options(&m), None, &mut record)
                 .unwrap_or_else(|error| panic!("{free} {force}: {error} {:?}", record.events))
                 .state;
             let z = centre(&system, &state, "apex").z;
-            let push = 2.0 * k * (free / b.hypot(z) - 1.0) * z + force;
-            assert!(z > h - 0.1 && push.abs() < 1e-7, "{free} {force}: {z} {push:e}");
+            let times: Vec<f64> = record.states.iter().map(|state| state.time).collect();
+            let push = 600.0 * (free / 2_f64.hypot(z) - 1.0) * z + force;
+            assert!(z > 0.4 && push.abs() < 1e-7, "{free} {force}: {z} {push:e}");
+            assert!(amplitude.is_some() || times.iter().all(|time| *time >= 0.0), "{times:?}");
         }
     }
+}
+
+/// A step that is taken again ramps the preload again.
+#[test]
+fn ramps_of_preload_are_repeated_with_their_step() {
+    let m = compressed(2.2, 1.0, None);
+    let (_, system) = compile(&m);
+    let options = static_options(&m);
+    let mut stepper = statics::steps(&system, &options, None).unwrap();
+    let mut positions = [0.0; 2];
+    for position in &mut positions {
+        let start = statics::first_state(&system, &options);
+        stepper.repeat(&start, f64::INFINITY);
+        stepper.advance(&mut Record::default()).unwrap();
+        *position = centre(&system, stepper.reached().state, "apex").z;
+    }
+    assert_eq!(positions[0], positions[1]);
 }
 
 /// A body that taut wires hold by their tension alone has no equilibrium without it: its first step is taken from the reference configuration.
@@ -139,4 +167,29 @@ fn bodies_that_tension_alone_holds_come_to_equilibrium() {
         (pull * at.y - 1.0).abs() < 1e-8 && (pull * at.z - 0.5).abs() < 1e-8 && at.x.abs() < 1e-12,
         "{at}"
     );
+}
+
+/// A bar on a universal joint, held at its top by taut wires alone: across the wires their tension T holds it, `2 T/L`, and it buckles at `P = 2 T h/L`.
+#[test]
+fn tension_of_wires_holds_a_bar_against_buckling() {
+    let cross = Joint::Universal(TwoAxesJoint {
+        name: "cross".into(),
+        between: between("ground", "bar"),
+        at: [0.0; 3],
+        axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        second_at: None,
+    });
+    let bar = body("bar", [0.0, 0.0, 1.5], 1.0, Some([1.0; 3]));
+    let mut m = Model::of_bodies(Analysis::Buckling(BucklingAnalysis::new(1)), vec![bar], vec![cross]);
+    m.springs = [("left", -2.0), ("right", 2.0)]
+        .map(|(name, x)| {
+            let mut wire = spring(name, ["ground", "bar"], [[x, 0.0, 1.5], [0.0, 0.0, 1.5]], 1e4);
+            wire.length = Some(2.0 - 40.0 / 1e4);
+            wire
+        })
+        .to_vec();
+    m.loads = vec![Load::Force(vector_load("bar", [0.0, 0.0, -1.0]))];
+    let found = modes(&m);
+    let expected = 2.0 * 40.0 * 1.5 / 2.0;
+    assert!((found[0].factor / expected - 1.0).abs() < 1e-9, "{} {expected}", found[0].factor);
 }

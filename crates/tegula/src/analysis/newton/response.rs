@@ -154,7 +154,7 @@ impl<S: TangentSolver> Newton<S> {
         Ok(negative)
     }
 
-    /// Adds the change of the internal forces f due to prescribed strains, actuators and springs that are led to their forces, between two equations with equal
+    /// Adds the change of the internal forces f due to prescribed strains, actuators and the ramp of preloaded springs, between two equations with equal
     /// displacements, to the residual: f(`first`) − f(`second`).
     fn change_of_forces(
         &mut self,
@@ -162,9 +162,9 @@ impl<S: TangentSolver> Newton<S> {
         (first, second): (&dyn Equation, &dyn Equation),
         history: &[f64],
     ) {
-        let leads =
+        let ramps =
             [first, second].iter().any(|equation| system.part_of_preload(equation.parts().time) != 1.0);
-        if system.prescribed_strains.is_empty() && !system.has_actuators() && !(leads && system.has_springs())
+        if system.prescribed_strains.is_empty() && !system.has_actuators() && !(ramps && system.has_springs())
         {
             return;
         }

@@ -2,7 +2,7 @@
 
 use super::state::one_of_many;
 use crate::Result;
-use crate::analysis::mobility::neutral_motions;
+use crate::analysis::mobility::{is_searched, neutral_motions};
 use crate::analysis::{State, equilibrium};
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
@@ -19,7 +19,7 @@ const UNBALANCED: [f64; 2] = [1e-5, 1e-12];
 /// There are motions that the loads neither hold nor drive.
 pub fn hold_mechanisms(system: &System, state: &State) -> Result<()> {
     let finished = state.path.as_ref().is_some_and(|path| path.finished);
-    let neutral = if finished { neutral_motions(system, state) } else { Vec::new() };
+    let neutral = if finished && is_searched(system) { neutral_motions(system, state) } else { Vec::new() };
     if neutral.is_empty() {
         return Ok(());
     }

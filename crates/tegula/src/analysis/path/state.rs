@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::analysis::mobility::{free_motions, neutral_motions, told_neutral};
+use crate::analysis::mobility::{free_motions, is_searched, neutral_motions, told_neutral};
 use crate::analysis::newton::PathTangent;
 use crate::analysis::{Observer, State};
 use crate::element::Nodal;
@@ -290,13 +290,10 @@ fn many_modes(state: &State) -> Option<String> {
     })
 }
 
-/// Most unknowns of a model whose free motions are looked for at a bifurcation: the search is dense.
-const MOST_SEARCHED: usize = 200;
-
 /// Warns of motions that the joints of a small model leave free at a bifurcation: their eigenvalues are round-off, and the bifurcation may be one
 /// of them.
 fn warn_of_free_motions(system: &System, found: &CriticalPoint, observer: &mut dyn Observer) {
-    if system.unknowns() > MOST_SEARCHED {
+    if !is_searched(system) {
         return;
     }
     let state = State { u: found.u.clone(), time: found.load, ..State::first(system) };

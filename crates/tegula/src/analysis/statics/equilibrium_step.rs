@@ -26,7 +26,7 @@ pub fn refusal(
     }
     let motion = Motion::Step { old: &state.u, new: &equation.u, dt: f64::INFINITY };
     let step = EvaluationPoint::new(system, motion, equation.time, &state.history);
-    assembly.pole_in_step(system, &step, state.time)
+    assembly.pole_in_step(system, &step, system.time_of_drives(state.time))
 }
 
 /// Makes the equilibrium of an equation the state: work of the step, displacements, load factor, multipliers, angles and history. The

@@ -79,10 +79,10 @@ pub(super) struct LoadSteps<'a, S> {
     limit_on_path: Option<f64>,
     /// Whether an equilibrium path may lead on from where the last step has failed.
     goes_on: bool,
-    /// First step from a stressed reference configuration, where its springs are led to their forces.
-    before_preload: Option<Box<preload::FirstStep>>,
+    /// First step from a stressed reference configuration, where the preload of its springs is ramped.
+    first_step: Option<Box<preload::FirstStep>>,
     /// Whether the first step from a stressed reference configuration is taken as it is found.
-    as_found: bool,
+    without_ramp: bool,
     /// Scratch space for the forces in the snap-through test of a step.
     buffers: [Vec<Nodal>; 2],
 }
@@ -135,8 +135,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             factorizations_on_paths: 0,
             limit_on_path: None,
             goes_on: false,
-            before_preload: None,
-            as_found: false,
+            first_step: None,
+            without_ramp: false,
             buffers: std::array::from_fn(|_| vec![[0.0; 3]; system.vectors()]),
             newton,
             system,
@@ -290,18 +290,18 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
     fn cut_back(&mut self, target: f64, failure: Failure, observer: &mut dyn Observer) -> Result<()> {
         let step = 0.5 * (target - self.state.time);
         // A path begins in equilibrium only.
-        if self.options.continuation.is_some() && self.lead_preload((target, &failure), observer) {
+        if self.options.continuation.is_some() && self.begins_ramp((target, &failure), observer) {
             return Ok(());
         }
         if self.has_shortest_length(target) {
-            if self.lead_preload((target, &failure), observer) || self.takes_first_step(observer) {
+            if self.begins_ramp((target, &failure), observer) || self.takes_first_step(observer) {
                 return Ok(());
             }
             observer.on_repeat(&self.statistics);
             return Err(self.give_up(target, &failure));
         }
         let may_go_on = self.options.continuation.is_some()
-            && !self.leads_springs()
+            && !self.ramps_preload()
             && self.equation.attempts >= BEFORE_PATH;
         if may_go_on && self.critical_point(target, &failure).is_some() {
             return Err(self.give_up(target, &failure));
@@ -323,7 +323,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let earlier = self.back_to_reference();
         let (target, failure) =
             earlier.as_ref().map_or((target, failure), |(target, failure)| (*target, failure));
-        let free = mobility::free_motions(self.system, &self.state, None);
+        // Motions that tension holds are no mechanisms.
+        let free = mobility::neutral_motions(self.system, &self.state);
         if !free.is_empty() {
             return of_mechanism(&self.state, target, (&free, failure));
         }
@@ -335,7 +336,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
         let critical = self.critical_point(target, failure);
         let other = matches!(failure.kind, Kind::Unstable | Kind::Leap | Kind::Iteration(_))
             && failure.kind != Kind::Iteration(Cause::Material);
-        self.goes_on = (critical.is_some() || other) && !self.leads_springs();
+        self.goes_on = (critical.is_some() || other) && !self.ramps_preload();
         let (system, options, state) = (self.system, self.options, &self.state);
         let unknown = critical.is_none() && matches!(failure.kind, Kind::Rounding | Kind::Iteration(_));
         if let Some(spring) = [&state.u, &self.equation.u].into_iter().filter(|_| unknown).find_map(|u| {
@@ -349,8 +350,8 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             reason: failure.told(system, state, target, critical.as_ref()),
             help: format!(
                 "{}The last equilibrium was at load factor {:.6}. {}",
-                if target <= 0.0 && self.leads_springs() {
-                    "From load factor -1 to 0 the forces of springs grow that are stressed in the reference configuration. "
+                if target <= 0.0 && self.is_before_first_load_factor() {
+                    "From load factor -1 to 0 the preload of springs is ramped that are stressed in the reference configuration. "
                 } else if target <= 0.0 && state.time < 0.0 {
                     "From load factor -1 to 0 the loads and prescribed values grow to those of their amplitudes at 0. "
                 } else {
@@ -364,7 +365,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
 
     /// Refuses an equilibrium at the end of the analysis from which a mechanism may move to others freely.
     fn refuse_one_of_many(&self, target: f64) -> Result<()> {
-        if target < 1.0 || self.accepts_unstable() {
+        if target < 1.0 || self.accepts_unstable() || !mobility::is_searched(self.system) {
             return Ok(());
         }
         let StaticEquation { u, multipliers, angles, .. } = &self.equation;
@@ -442,6 +443,7 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
     }
 
     fn advance(&mut self, observer: &mut dyn Observer) -> Result<u32> {
+        let mut iterations = 0;
         loop {
             let target = self.target();
             if let Some(reason) = self.system.undefined_amplitude(target) {
@@ -464,12 +466,15 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
             self.statistics.linear_iterations = self.newton.linear_iterations();
             match outcome? {
                 Ok(converged) if self.leaves_stressed_reference(target, &converged, observer) => {}
-                Ok(converged) => match self.loses_its_way(&converged).filter(|_| self.leads_springs()) {
+                Ok(converged) => match self.meets_negative_pivots(&converged).filter(|_| self.ramps_preload()) {
                     Some(failure) => self.cut_back(target, failure, observer)?,
                     None => {
                         self.refuse_one_of_many(target)?;
                         self.accept(target, &converged, observer);
-                        return Ok(converged.iterations);
+                        iterations += converged.iterations;
+                        if !self.is_before_first_load_factor() {
+                            return Ok(iterations);
+                        }
                     }
                 },
                 Err(failure) => self.cut_back(target, failure, observer)?,
@@ -480,7 +485,8 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
     fn repeat(&mut self, start: &State, end: f64) {
         let Self { newton, system, state, equation, .. } = self;
         state.clone_from(start);
-        self.limit_on_path = None;
+        (self.first_step, self.limit_on_path) = (None, None);
+        self.without_ramp = false;
         newton.reset();
         newton.restore(system, state, is_loaded(system, state));
         equation.attempts = 0;

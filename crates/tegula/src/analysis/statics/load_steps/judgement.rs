@@ -96,6 +96,8 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
             && state.time >= 0.0
             && !system.continues()
             && newton.assembly.strain_energy(system, &state.point(system)) > 0.0;
+        // The ramp of their preload brings energy of its own.
+        let released = released.filter(|_| !self.ramps_preload());
         let mut doubt = released.or(away).filter(|_| !preloaded);
         let mut away = None;
         if doubt.is_none() {
