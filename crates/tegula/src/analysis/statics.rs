@@ -276,7 +276,7 @@ pub(super) fn energies(system: &System, assembly: &mut Assembly, state: &State) 
 }
 
 /// Work of follower loads over a load step, by the trapezoidal rule.
-fn follower_work(
+pub(super) fn follower_work(
     system: &System,
     (from, start): (&[Nodal], f64),
     (to, end): (&[Nodal], f64),

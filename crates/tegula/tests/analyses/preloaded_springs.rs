@@ -5,7 +5,7 @@ use crate::bushings::bushing;
 use crate::common::{compile, static_options, vector_load};
 use crate::buckling::modes;
 use crate::multibody::{axis_joint, between, body, pose, revolute, spring, torsion_spring};
-use tegula::analysis::{Stepper, statics};
+use tegula::analysis::statics;
 use tegula::model::*;
 
 /// A body on a hinge with a torsion spring of stiffness c, which a spring of stiffness k pulls around: with the anchor (0, 2) and the point (cos φ, sin φ) of the

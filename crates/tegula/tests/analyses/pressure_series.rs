@@ -54,6 +54,23 @@ fn arches_under_pressure_snap_as_by_arc_length_in_a_tenth_of_the_factorisations(
     }
 }
 
+/// The work of a pressure is the strain energy on a crossing path, too: that of the jump to it is counted.
+#[test]
+fn work_of_pressures_counts_the_jump_to_a_crossing_path() {
+    let mut m = arch(ElementKind::Ems, [2540.0, 5.729_577_951_308_232, 2.0], 24);
+    m.mesh = cylinder(2540.0, [-5.729_577_951_308_232, 5.729_577_951_308_232], 254.0, [24, 1]);
+    m.conditions.remove(0);
+    m.conditions.extend(["u_min", "u_max"].map(|edge| Condition::Hinge(on(edge))));
+    m.loads = vec![pressure(1e-2)];
+    let options = PathAnalysis { end_load: 1.0, switch_at: vec![1], max_steps: 5, ..Default::default() };
+    m.analysis = Analysis::Path(options);
+    let (_, outcome, record) = run(&m);
+    assert!(record.events.iter().all(|event| !event.contains("arc-length")), "{:?}", record.events);
+    assert_eq!(critical(&outcome)[0].kind, CriticalKind::Bifurcation);
+    let [work, strain] = [outcome.state.work, outcome.balance.strain];
+    assert!((work / strain - 1.0).abs() < 1e-5, "{work} {strain}");
+}
+
 /// A long ring buckles under a pressure that follows it at 3 EI/R³, where a pressure of constant direction would need 4 EI/R³ (S. P. Timoshenko, J. M.
 /// Gere, *Theory of Elastic Stability*, 2nd ed. 1961, Sect. 7.3).
 #[test]

@@ -119,6 +119,12 @@ impl<'a> SeriesSteps<'a> {
     fn go_to(&mut self, a: f64, observer: &mut dyn Observer) {
         let Self { system, options, state, trial, piece, expansion, .. } = self;
         let Some(piece) = piece else { return };
+        let begins = state.path.as_ref().is_some_and(|path| path.expansion.position != piece.start().position);
+        if begins {
+            // A piece begins next to the end of the one before: on the corrected path, or at a bifurcation on the crossing one.
+            let ExpansionPoint { u, load, .. } = piece.start();
+            state.work += statics::follower_work(system, (&state.u, state.time), (u, *load), trial);
+        }
         piece.displacements(system, a, &mut state.u);
         state.time = piece.load(a);
         state.multipliers = expansion.multipliers(system, &state.u, state.time);
@@ -126,7 +132,7 @@ impl<'a> SeriesSteps<'a> {
         let Some(path) = &mut state.path else { return };
         let from = path.position;
         path.position = piece.position_of(a);
-        if path.expansion.position != piece.start().position || path.expansion.u.is_empty() {
+        if begins || path.expansion.u.is_empty() {
             path.expansion = piece.start().clone();
         }
         path.direction.resize(state.u.len(), [0.0; 3]);
