@@ -3,7 +3,7 @@
 
 Usage: check_packages.py [--compile]
 
-Each package has a README and both licences. With `--compile`, which takes some minutes, all of them compile from what is packed, without the
+Each package has a README and both licences, and `cargo publish --dry-run` (of Rust 1.90 or later) has no objection to any of them. With `--compile`, which takes some minutes, all of them compile from what is packed, without the
 files of the repository.
 """
 
@@ -20,7 +20,9 @@ NEEDED = ["README.md", "LICENSE-MIT", "LICENSE-APACHE", "Cargo.toml"]
 
 def main() -> int:
     target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve()
-    command = ["cargo", "package", "--workspace", "--exclude", "tegula-python", "--no-verify", "--allow-dirty", "--quiet"]
+    all_crates = ["--workspace", "--exclude", "tegula-python", "--no-verify", "--allow-dirty", "--quiet"]
+    command = ["cargo", "package", *all_crates]
+    subprocess.run(["cargo", "publish", "--dry-run", *all_crates], cwd=ROOT, check=True)
     for old in (target / "package").glob("*.crate"):
         old.unlink()
     subprocess.run(command, cwd=ROOT, check=True)

@@ -19,7 +19,7 @@ const LEAST_PIXELS: u32 = 200;
 pub struct Arguments {
     /// Result folder of a run; of a model with steps the folder of one step
     result: PathBuf,
-    /// File to write: a picture (.png), or a film of all states or of a mode (.gif; .mp4 by ffmpeg) [default: render.png in the result folder]
+    /// File to write: a picture (.png, .svg), or a film of all states or of a mode (.gif; .mp4 by ffmpeg) [default: render.png in the result folder]
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Field that gives the colours, such as `von_mises`, `displacement.z` or `stress_top.1`; `none` for one colour [default: the von Mises stress]
@@ -68,7 +68,9 @@ impl<T: FromStr> FromStr for Pair<T> {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let file = arguments.out.clone().unwrap_or_else(|| arguments.result.join("render.png"));
     let drawing = drawing(arguments)?;
-    let is_picture = |file: &Path| file.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    let is_picture = |file: &Path| {
+        file.extension().is_some_and(|e| ["png", "svg"].iter().any(|kind| e.eq_ignore_ascii_case(kind)))
+    };
     match Encoding::of(&file) {
         Some(_) if arguments.at.is_some() => {
             return Err(Failure::Usage(
@@ -87,7 +89,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         None => {
             let problem = format!(
-                "`{}` has no ending that names a kind of picture or film: give .png, .gif or .mp4",
+                "`{}` has no ending that names a kind of picture or film: give .png, .svg, .gif or .mp4",
                 file.display()
             );
             return Err(Failure::Usage(problem));

@@ -160,7 +160,9 @@ fn what_cannot_be_drawn_is_refused_in_words() {
         );
         assert!(!file.exists());
     }
-    for (name, message) in [("a.svg", "give .png, .gif or .mp4"), ("a", "give .png, .gif or .mp4")] {
+    for (name, message) in
+        [("a.pdf", "give .png, .svg, .gif or .mp4"), ("a", "give .png, .svg, .gif or .mp4")]
+    {
         let output = tegula(&["render", text(&result), "--out", text(&folder.path().join(name))]);
         assert!(errors(&output).contains(message), "{}", errors(&output));
     }
@@ -168,6 +170,19 @@ fn what_cannot_be_drawn_is_refused_in_words() {
     let output = tegula(&["render", text(&result), "--out", text(&film), "--fps", "0"]);
     assert!(errors(&output).contains("--fps 0: give more than 0") && !film.exists(), "{}", errors(&output));
     assert_eq!(tegula(&["render", text(folder.path())]).status.code(), Some(1));
+}
+
+#[test]
+fn vector_graphics_have_the_letters_of_the_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let (result, file) = (modes(folder.path()), folder.path().join("a.svg"));
+    let output = tegula(&["render", text(&result), "--mode", "7", "--size", "600,400", "--out", text(&file)]);
+    assert!(output.status.success(), "{}", errors(&output));
+    let drawn = fs::read_to_string(&file).unwrap();
+    assert!(drawn.contains("width=\"600\" height=\"400\" viewBox=\"0 0 600 400\""));
+    assert!(
+        drawn.contains("mode 7") && drawn.contains(">x</text>") && drawn.contains("data:image/png;base64,")
+    );
 }
 
 #[test]

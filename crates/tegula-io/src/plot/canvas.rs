@@ -11,6 +11,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::colour::Rgb;
+use super::vector::Elements;
 use super::{font, png};
 use crate::out::{OutputError, write_whole};
 
@@ -41,6 +42,8 @@ pub struct Canvas {
     /// Samples per pixel in each direction.
     scale: u32,
     samples: Vec<u8>,
+    /// Lines, areas of one colour and letters, where they are elements of a vector graphic and no samples.
+    elements: Option<Elements>,
 }
 
 impl Canvas {
@@ -50,7 +53,13 @@ impl Canvas {
         let pixels = u64::from(width) * u64::from(height);
         let scale = (2..=4).rev().find(|&s| pixels * u64::from(s * s) <= MOST_SAMPLES).unwrap_or(1);
         let samples = vec![255; (pixels * u64::from(scale * scale)) as usize * 3];
-        Self { width, height, scale, samples }
+        Self { width, height, scale, samples, elements: None }
+    }
+
+    /// A white sheet for a file: its lines and letters are vector graphics if the name ends in `.svg`.
+    pub fn for_file(path: &Path, (width, height): (u32, u32)) -> Self {
+        let is_vector = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
+        Self { elements: is_vector.then(Elements::default), ..Self::new(width, height) }
     }
 
     /// Width and height in pixels.
@@ -79,7 +88,10 @@ impl Canvas {
 
     /// Fills a convex polygon with one colour.
     pub fn fill(&mut self, corners: &[Point], colour: Rgb) {
-        self.fill_with(corners, 1.0, |_| colour);
+        match &mut self.elements {
+            Some(elements) => elements.polygon(corners, colour),
+            None => self.fill_with(corners, 1.0, |_| colour),
+        }
     }
 
     /// Fills the rectangle between two opposite corners.
@@ -89,11 +101,17 @@ impl Canvas {
 
     /// Fills a circle.
     pub fn disc(&mut self, centre: Point, radius: f64, colour: Rgb) {
-        self.fill(&regular(centre, radius, 20, 0.0), colour);
+        match &mut self.elements {
+            Some(elements) => elements.circle(centre, radius, colour),
+            None => self.fill(&regular(centre, radius, 20, 0.0), colour),
+        }
     }
 
     /// A straight line with flat ends.
     pub fn line(&mut self, a: Point, b: Point, width: f64, colour: Rgb) {
+        if let Some(elements) = &mut self.elements {
+            return elements.chain(&[a, b], (width, false), None, colour);
+        }
         let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
         let length = dx.hypot(dy);
         if length > 0.0 {
@@ -110,6 +128,9 @@ impl Canvas {
 
     /// A chain of lines with round corners; `dash` is the length of strokes and of the gaps between them.
     pub fn polyline(&mut self, points: &[Point], width: f64, dash: Option<(f64, f64)>, colour: Rgb) {
+        if let Some(elements) = &mut self.elements {
+            return elements.chain(points, (width, dash.is_none()), dash, colour);
+        }
         let Some((stroke, gap)) = dash else {
             for pair in points.windows(2) {
                 self.line(pair[0], pair[1], width, colour);
@@ -153,17 +174,25 @@ impl Canvas {
     }
 
     fn put_text(&mut self, [x, y]: Point, size: f64, upright: bool, colour: Rgb, text: &str) {
+        if let Some(elements) = &mut self.elements {
+            return elements.text([x, y], size, upright, colour, text);
+        }
         let scale = f64::from(self.scale);
         let sheet = (self.width * self.scale, self.height * self.scale);
         font::draw(&mut self.samples, sheet, text, size * scale, (x * scale, y * scale), upright, colour);
     }
 
-    /// The finished picture: three bytes a pixel, row by row from the top.
+    /// The finished picture: three bytes a pixel, row by row from the top. Of a vector graphic it has the shaded surfaces alone.
     pub fn pixels(&self) -> Vec<u8> {
-        let scale = self.scale as usize;
-        let row_bytes = self.width as usize * scale * 3;
-        let area = self.scale * self.scale;
-        let mut pixels = Vec::with_capacity(self.width as usize * self.height as usize * 3);
+        self.averaged(self.scale)
+    }
+
+    /// Means of squares of samples of this side, three bytes each, row by row from the top.
+    fn averaged(&self, side: u32) -> Vec<u8> {
+        let scale = side as usize;
+        let row_bytes = (self.width * self.scale) as usize * 3;
+        let area = side * side;
+        let mut pixels = Vec::with_capacity(self.samples.len() / (scale * scale));
         // Rows first: their bytes lie in a line. Sums of 4 × 4 samples need 12 bits.
         let mut sums = vec![0_u16; row_bytes];
         for band in self.samples.chunks_exact(row_bytes * scale) {
@@ -179,10 +208,21 @@ impl Canvas {
         pixels
     }
 
-    /// Writes the finished picture as PNG, whole or not at all.
+    /// Writes the finished picture as PNG, or as SVG where it is a vector graphic, whole or not at all.
     pub fn save(&self, path: &Path) -> Result<(), OutputError> {
-        let pixels = self.pixels();
-        write_whole(path, |w| png::write(w, self.width, self.height, &pixels))
+        let Some(elements) = &self.elements else {
+            let pixels = self.pixels();
+            return write_whole(path, |w| png::write(w, self.width, self.height, &pixels));
+        };
+        // Surfaces in a vector graphic have twice as many pixels in each direction where there are enough samples.
+        let side = if self.scale.is_multiple_of(2) { self.scale / 2 } else { self.scale };
+        let size = [self.width, self.height].map(|pixels| pixels * self.scale / side);
+        let pixels = self.averaged(side);
+        write_whole(path, |w| {
+            let mut image = Vec::new();
+            png::write(&mut image, size[0], size[1], &pixels)?;
+            w.write_all(elements.document([self.width, self.height].map(f64::from), &image).as_bytes())
+        })
     }
 }
 

@@ -1,4 +1,4 @@
-//! Pictures of results as PNG files: histories and convergence ([`lines()`]), deformed shells ([`surfaces()`]).
+//! Pictures of results as PNG or SVG files: histories and convergence ([`lines()`]), deformed shells ([`surfaces()`]).
 //!
 //! Both draw on a [`canvas`] of several samples a pixel, so that lines, areas and letters are smooth. The font
 //! is part of the program (DejaVu Sans, see `assets/`): no picture depends on what a machine has installed.
@@ -20,6 +20,7 @@ mod projection;
 mod strokes;
 pub mod surfaces;
 pub mod ticks;
+mod vector;
 
 pub use heat_map::{Group, HeatMap, heat_map};
 pub use lines::{LinePlot, Series, Style, lines};

@@ -88,12 +88,13 @@ impl Default for SurfacePlot {
     }
 }
 
-/// Draws the picture as a PNG file.
+/// Draws the picture as a PNG file, or as an SVG file if its name ends so.
 ///
 /// Elements with positions that are not finite are left out, and a remark says so; a picture with nothing in it
 /// is refused.
 pub fn surfaces(path: &Path, plot: &SurfacePlot) -> Result<(), OutputError> {
-    let canvas = draw(plot).map_err(|problem| OutputError::refused(path, problem))?;
+    let canvas = Canvas::for_file(path, plot.size);
+    let (canvas, _) = labelled(plot, canvas).map_err(|problem| OutputError::refused(path, problem))?;
     canvas.save(path)
 }
 
@@ -108,16 +109,15 @@ pub fn pixels(plot: &SurfacePlot) -> Result<(u32, u32, Vec<u8>), String> {
 }
 
 fn draw(plot: &SurfacePlot) -> Result<Canvas, String> {
-    labelled(plot).map(|(canvas, _)| canvas)
+    labelled(plot, Canvas::new(plot.size.0, plot.size.1)).map(|(canvas, _)| canvas)
 }
 
 /// Rectangles and leaders of the labels in a picture.
 type Labels = (Vec<[[f64; 2]; 2]>, Vec<[[f64; 2]; 2]>);
 
-/// The picture, and where its labels stand.
-fn labelled(plot: &SurfacePlot) -> Result<(Canvas, Labels), String> {
+/// The picture on a white sheet, and where its labels stand.
+fn labelled(plot: &SurfacePlot, mut canvas: Canvas) -> Result<(Canvas, Labels), String> {
     check(plot)?;
-    let mut canvas = Canvas::new(plot.size.0, plot.size.1);
     let (width, height) = canvas.size();
     let camera = Camera::new(plot.view);
     let seen: Vec<Vec<Vec3>> = plot
@@ -405,7 +405,7 @@ mod tests {
     fn labels_and_their_leaders_keep_clear_of_each_other() {
         for (size, instants) in [((1200, 800), 6), ((1200, 800), 12), ((700, 500), 8)] {
             let plot = SurfacePlot { size, ..pendulum(10, instants) };
-            let (_, (boxes, leaders)) = labelled(&plot).unwrap();
+            let (_, (boxes, leaders)) = labelled(&plot, Canvas::new(plot.size.0, plot.size.1)).unwrap();
             assert!(boxes.len() >= instants - 2, "{} labels", boxes.len());
             for (i, a) in boxes.iter().enumerate() {
                 let apart = |b: &[[f64; 2]; 2]| (0..2).any(|k| a[1][k] <= b[0][k] || b[1][k] <= a[0][k]);

@@ -63,7 +63,7 @@ impl Default for Drawing {
     }
 }
 
-/// Draws one instant of a result folder as a PNG file.
+/// Draws one instant of a result folder as a PNG file, or as an SVG file if its name ends so.
 ///
 /// # Errors
 /// The folder holds no field files, they are damaged, the field or the instant does not exist, or the file cannot be written.

@@ -1,9 +1,9 @@
 //! Statics of springs that are stressed in the reference configuration.
 
 use crate::arc_length::{Record, centre};
+use crate::buckling::modes;
 use crate::bushings::bushing;
 use crate::common::{compile, static_options, vector_load};
-use crate::buckling::modes;
 use crate::multibody::{axis_joint, between, body, pose, revolute, spring, torsion_spring};
 use tegula::analysis::statics;
 use tegula::model::*;
@@ -61,7 +61,11 @@ fn stressed_springs_are_led_to_their_forces_where_no_step_leads_from_the_referen
     let (_, system) = compile(&m);
     let mut record = Record::default();
     let found = statics::run(&system, &static_options(&m), None, &mut record).unwrap();
-    assert!(record.events.iter().any(|event| event.contains("ramped from load factor -1 to 0")), "{:?}", record.events);
+    assert!(
+        record.events.iter().any(|event| event.contains("ramped from load factor -1 to 0")),
+        "{:?}",
+        record.events
+    );
     // The energy has a minimum there: it grows along every small motion of the body.
     let energy = |increment: &[f64]| {
         let u = tegula::analysis::equilibrium::moved(&system, &found.state, increment);

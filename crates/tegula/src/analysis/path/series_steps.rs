@@ -119,7 +119,8 @@ impl<'a> SeriesSteps<'a> {
     fn go_to(&mut self, a: f64, observer: &mut dyn Observer) {
         let Self { system, options, state, trial, piece, expansion, .. } = self;
         let Some(piece) = piece else { return };
-        let begins = state.path.as_ref().is_some_and(|path| path.expansion.position != piece.start().position);
+        let begins =
+            state.path.as_ref().is_some_and(|path| path.expansion.position != piece.start().position);
         if begins {
             // A piece begins next to the end of the one before: on the corrected path, or at a bifurcation on the crossing one.
             let ExpansionPoint { u, load, .. } = piece.start();

@@ -466,17 +466,19 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
             self.statistics.linear_iterations = self.newton.linear_iterations();
             match outcome? {
                 Ok(converged) if self.leaves_stressed_reference(target, &converged, observer) => {}
-                Ok(converged) => match self.meets_negative_pivots(&converged).filter(|_| self.ramps_preload()) {
-                    Some(failure) => self.cut_back(target, failure, observer)?,
-                    None => {
-                        self.refuse_one_of_many(target)?;
-                        self.accept(target, &converged, observer);
-                        iterations += converged.iterations;
-                        if !self.is_before_first_load_factor() {
-                            return Ok(iterations);
+                Ok(converged) => {
+                    match self.meets_negative_pivots(&converged).filter(|_| self.ramps_preload()) {
+                        Some(failure) => self.cut_back(target, failure, observer)?,
+                        None => {
+                            self.refuse_one_of_many(target)?;
+                            self.accept(target, &converged, observer);
+                            iterations += converged.iterations;
+                            if !self.is_before_first_load_factor() {
+                                return Ok(iterations);
+                            }
                         }
                     }
-                },
+                }
                 Err(failure) => self.cut_back(target, failure, observer)?,
             }
         }
