@@ -56,7 +56,7 @@ enum Command {
     Check(check::Arguments),
     /// Write a commented model file to begin with
     New(new::Arguments),
-    /// Write the model file that corresponds to an input file of Abaqus, CalculiX or Nastran
+    /// Write the model file that corresponds to an input file of Abaqus, CalculiX or Nastran, or results in the formats of other programs: VTKHDF, Parquet
     Convert(convert::Arguments),
     /// Write the report of a result folder, or of a model file: one HTML file with moving shapes, checks, curves and tables, or with the mesh, supports, loads and sets
     Report(html_report::Arguments),

@@ -84,6 +84,7 @@ pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     })
 }
 
-fn exists(path: &Path) -> Failure {
+/// Refusal to write over a file.
+pub fn exists(path: &Path) -> Failure {
     Failure::File(format!("`{}` exists already and is not overwritten; give another name", path.display()))
 }

@@ -3,6 +3,7 @@
 pub mod abaqus;
 mod conversion;
 pub mod deck;
+pub mod export;
 pub mod job;
 pub mod memory;
 pub mod mesh;

@@ -9,6 +9,7 @@ use std::process::{Command, Output};
 use serde_json::{Value, json};
 
 mod decks;
+mod exports;
 mod machines;
 mod paths;
 mod renders;

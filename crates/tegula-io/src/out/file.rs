@@ -98,28 +98,53 @@ pub fn write_whole(
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), OutputError> {
     let failed = |cause| OutputError::write(path, cause);
-    let target = match Destination::of(path).map_err(failed)? {
-        Destination::File(target) => target,
+    match Destination::of(path).map_err(failed)? {
+        Destination::File(target) => replace(path, &target, |file| write(file).map_err(failed)),
         Destination::Stream => {
             let stream = std::fs::OpenOptions::new().append(true).open(path).map_err(failed)?;
             let mut buffered = BufWriter::with_capacity(1 << 16, stream);
-            return write(&mut buffered).and_then(|()| buffered.flush()).map_err(failed);
+            write(&mut buffered).and_then(|()| buffered.flush()).map_err(failed)
         }
-    };
-    let folder = folder_of(&target);
-    let mut temporary = temporary_in(folder).map_err(failed)?;
-    {
-        let mut buffered = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
-        write(&mut buffered).and_then(|()| buffered.flush()).map_err(failed)?;
     }
+}
+
+/// Writes a file whole or not at all, as [`write_whole`] does, in a format that needs to return to bytes already written.
+/// Devices and pipes are refused.
+pub(crate) fn write_whole_seekable<T>(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut std::fs::File>) -> Result<T, OutputError>,
+) -> Result<T, OutputError> {
+    match Destination::of(path).map_err(|cause| OutputError::write(path, cause))? {
+        Destination::File(target) => replace(path, &target, write),
+        Destination::Stream => {
+            Err(OutputError::refused(path, "this format needs a file; give the name of one"))
+        }
+    }
+}
+
+/// Writes a temporary file, and puts it in the place of `target` once it is complete; `path` names it in messages.
+fn replace<T>(
+    path: &Path,
+    target: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut std::fs::File>) -> Result<T, OutputError>,
+) -> Result<T, OutputError> {
+    let failed = |cause| OutputError::write(path, cause);
+    let folder = folder_of(target);
+    let mut temporary = temporary_in(folder).map_err(failed)?;
+    let written = {
+        let mut buffered = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
+        let written = write(&mut buffered)?;
+        buffered.flush().map_err(failed)?;
+        written
+    };
     temporary.as_file().sync_all().map_err(failed)?;
-    temporary.persist(&target).map_err(|e| failed(e.error))?;
+    temporary.persist(target).map_err(|e| failed(e.error))?;
     // The rename itself reaches the disk with the folder's entry; not every file system can promise that.
     #[cfg(unix)]
     if let Ok(folder) = std::fs::File::open(folder) {
         let _ = folder.sync_all();
     }
-    Ok(())
+    Ok(written)
 }
 
 /// Writes a file over an earlier one of that name without new space on the disk, where the length allows it. For the last

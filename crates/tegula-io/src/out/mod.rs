@@ -4,7 +4,9 @@
 //! |---|---|---|
 //! | `*.vtu` | [`vtu::write`] | ParaView, PyVista, meshio, and [`vtu_file::VtuFile`] |
 //! | `*.pvd` | [`pvd::PvdSeries`] | ParaView, PyVista |
+//! | `*.vtkhdf` | [`vtkhdf::write`] | ParaView, VTK, PyVista, h5py |
 //! | `*.csv` | [`csv::HistoryWriter`] | everything, and [`csv::read`] |
+//! | `*.parquet` | [`parquet::write`] | pandas, Polars, DuckDB, R |
 //! | `*.mtx` | [`matrix_market::write`] | Python (SciPy), MATLAB, Julia, Octave |
 //! | checkpoints | [`save_checkpoint`] | this program |
 //!
@@ -17,10 +19,13 @@
 pub mod checkpoint;
 pub mod csv;
 pub mod file;
+mod hdf5;
 pub mod matrix_market;
 pub mod numbers;
+pub mod parquet;
 pub mod pvd;
 pub mod text;
+pub mod vtkhdf;
 pub mod vtu;
 pub mod vtu_file;
 
