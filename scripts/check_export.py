@@ -73,7 +73,8 @@ def check_vtkhdf(listing, path):
     if not entries or len(times) > 1 and times != sorted(time for time, _ in entries):
         problems.append(f"VTK sees {len(times)} times, the list has {len(entries)}, or they differ")
     compared = 0
-    for time, file in entries:
+    # And back to the first one.
+    for time, file in [*entries, *entries[:1]]:
         frames = vtkXMLUnstructuredGridReader()
         frames.SetFileName(str(file))
         frames.Update()
@@ -98,7 +99,7 @@ def check_vtkhdf(listing, path):
         kind = grid.attrs.get_id("Type").get_type()
         if kind.is_variable_str() or grid.attrs["Type"] != b"UnstructuredGrid":
             problems.append("its attribute `Type` is not the fixed text `UnstructuredGrid`")
-    return problems, f"{len(entries)} instants, {compared} numbers have the same bits as in the VTU files"
+    return problems, f"{len(entries)} instants, {compared} numbers compared: they have the same bits as in the VTU files"
 
 
 def check_parquet(table, path):

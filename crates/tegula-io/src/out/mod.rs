@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `*.vtu` | [`vtu::write`] | ParaView, PyVista, meshio, and [`vtu_file::VtuFile`] |
 //! | `*.pvd` | [`pvd::PvdSeries`] | ParaView, PyVista |
-//! | `*.vtkhdf` | [`vtkhdf::write`] | ParaView, VTK, PyVista, h5py |
+//! | `*.vtkhdf` | [`vtkhdf::write`] | ParaView, VTK, h5py |
 //! | `*.csv` | [`csv::HistoryWriter`] | everything, and [`csv::read`] |
 //! | `*.parquet` | [`parquet::write`] | pandas, Polars, DuckDB, R |
 //! | `*.mtx` | [`matrix_market::write`] | Python (SciPy), MATLAB, Julia, Octave |

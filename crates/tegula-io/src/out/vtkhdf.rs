@@ -21,6 +21,8 @@ use super::vtu_file::{ArrayHead, Cells, Place, VtuFile};
 const VERSION: [i64; 2] = [2, 0];
 /// Bytes that a chunk of HDF5 may have.
 const LARGEST_CHUNK: usize = u32::MAX as usize;
+/// Bytes of a name, and of the names of all components, at most; a message of a header has 64 KiB.
+const LONGEST_NAME: usize = 32_000;
 const REMEDY: &str = "All files of a series have one mesh and the same arrays; convert the series of one run";
 
 /// Writes the instants of a series, time value and VTU file each, to one file, whole or not at all. One instant is in memory at a time.
@@ -126,9 +128,7 @@ impl Series {
         let tracks = |place: Place, rows: usize| -> Result<Vec<Track>, String> {
             let own = file.arrays.iter().filter(|array| array.place == place);
             own.map(|array| {
-                if array.name.contains('/') || array.name == "." || array.name.is_empty() {
-                    return Err(format!("HDF5 cannot name an array `{}`", array.name));
-                }
+                check_head(array)?;
                 let mut track = Track::new(&array.name, rows, array.components);
                 if !array.component_names.is_empty() {
                     track.attributes =
@@ -144,8 +144,9 @@ impl Series {
             cell_data: tracks(Place::Cells, file.cells)?,
         };
         let too_large = |track: &&Track| {
-            let row = 8 * track.shape.columns.unwrap_or(1);
-            track.shape.rows_per_chunk.checked_mul(row).is_none_or(|bytes| bytes > LARGEST_CHUNK)
+            let row = track.shape.columns.unwrap_or(1).checked_mul(8);
+            let bytes = row.and_then(|row| track.shape.rows_per_chunk.checked_mul(row));
+            bytes.is_none_or(|bytes| bytes > LARGEST_CHUNK)
         };
         let all = series.point_data.iter().chain(&series.cell_data).chain([&series.points]);
         if let Some(track) = all.into_iter().find(too_large) {
@@ -238,6 +239,19 @@ impl Series {
         let root = file.group(&[("VTKHDF", grid)], &[])?;
         file.finish(root)
     }
+}
+
+/// Refuses what HDF5 cannot name, or cannot write into one header.
+fn check_head(array: &ArrayHead) -> Result<(), String> {
+    let (name, components) = (&array.name, &array.component_names);
+    if name.contains('/') || name == "." || name.is_empty() || name.len() > LONGEST_NAME {
+        return Err(format!("HDF5 cannot name an array `{name}`"));
+    }
+    let longest = components.iter().map(String::len).max().unwrap_or(0);
+    if array.components == 0 || longest.saturating_mul(components.len()) > LONGEST_NAME {
+        return Err(format!("the array `{name}` has no components, or their names are too long"));
+    }
+    Ok(())
 }
 
 /// Cells as VTK stores them.
@@ -445,7 +459,13 @@ mod tests {
         assert!(refusal(&[first.clone(), other, gone]).contains("gone.vtu"));
         let named = instant(folder.path(), 4, |grid| grid.cell_data[1].name = "a/b".into());
         assert!(refusal(&[named]).contains("HDF5 cannot name an array `a/b`"));
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 5);
+        let long = "x".repeat(16_001);
+        let names = [long.as_str(), "y"];
+        let named = instant(folder.path(), 5, |grid| {
+            grid.cell_data[0] = DataArray::new("stress", 2, vec![0.0; 6]).with_component_names(&names);
+        });
+        assert!(refusal(&[named]).contains("`stress` has no components, or their names are too long"));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 6);
         let nowhere = folder.path().join("nowhere/a.vtkhdf");
         assert!(write(&nowhere, &[first]).unwrap_err().to_string().contains("nowhere"));
     }
