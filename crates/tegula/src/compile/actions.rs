@@ -226,7 +226,8 @@ pub(super) fn drilling_components(
         FollowerLoad::Pressure { .. }
         | FollowerLoad::EdgeMoment { .. }
         | FollowerLoad::BodyMoment { .. }
-        | FollowerLoad::Own { .. } => None,
+        | FollowerLoad::Own { .. }
+        | FollowerLoad::Field { .. } => None,
     };
     let all: Vec<_> = loads.iter().zip(numbers).filter_map(lost).collect();
     let Some((node, along, whole, number)) = all.first() else { return Vec::new() };

@@ -525,11 +525,7 @@ impl Checker {
             && !(model.has_springs()
                 && model.joints.iter().any(|joint| joint.common().second_side().is_given()))
         {
-            self.add(
-                "loads",
-                "a static analysis without loads and prescribed motions has nothing to do",
-                "add a [[loads]] entry",
-            );
+            self.add("loads", super::own_parts::NOTHING_ACTS, "add a [[loads]] entry");
         }
     }
 

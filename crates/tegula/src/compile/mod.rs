@@ -28,6 +28,7 @@ mod inner_point;
 mod mechanism;
 mod mesh_sets;
 mod outline;
+mod own_parts;
 mod patches;
 mod pattern;
 mod perturbation_steps;
@@ -56,7 +57,7 @@ use crate::constraint::{
     SpringGroup, TorsionSpring, TorsionSpringGroup,
 };
 use crate::element::{ElementGroup, Nodal, director_angle};
-use crate::load::{FollowerLoad, NodalLoad, OwnLoad};
+use crate::load::{FollowerLoad, LoadOnNodes, OwnLoad};
 use crate::material::{MaterialLaw, OwnLaw};
 use crate::mesh::directors::Directors;
 use crate::mesh::folds::Folds;
@@ -124,6 +125,8 @@ pub struct Compiler<'a> {
     linear: bool,
     /// Loads of the caller with their names; they act in all steps.
     own_loads: Vec<(String, OwnLoad)>,
+    /// Loads of the caller on many nodes with their names; they act in all steps.
+    field_loads: Vec<(String, Arc<LoadOnNodes>)>,
     /// Starts of the steps that begin where the model is assembled.
     assembled: Vec<Option<Assembled>>,
 }
@@ -134,29 +137,17 @@ impl<'a> Compiler<'a> {
     /// # Errors
     /// Everything that is wrong with keys, sets, mesh, sections and supports, at once, each with a remedy.
     pub fn new(model: &Model, mesh: &'a Mesh) -> Result<Self> {
-        Self::with_laws(model, mesh, &BTreeMap::new())
-    }
-
-    /// Checks and compiles a model some of whose materials have laws of the caller: the three-dimensional law of a
-    /// nonlinear material in elements with three-dimensional stresses (`cm`, `solid-shell`) is the one with its name.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new); a law is given for a material that the model has not, or that no law can replace.
-    pub fn with_laws(
-        model: &Model,
-        mesh: &'a Mesh,
-        laws: &BTreeMap<String, Arc<dyn MaterialLaw>>,
-    ) -> Result<Self> {
-        Self::compiled(model, mesh, laws).map_err(|error| named(error, mesh))
+        Self::with_own_parts(model, mesh, &BTreeMap::new(), false)
     }
 
     fn compiled(
         model: &Model,
         mesh: &'a Mesh,
         laws: &BTreeMap<String, Arc<dyn MaterialLaw>>,
+        loaded: bool,
     ) -> Result<Self> {
         let without_shells = model.mesh == MeshSource::None && mesh.quads.is_empty();
-        let (model, steps) = checked(model, mesh, laws)?;
+        let (model, steps) = checked(model, mesh, laws, loaded)?;
         let model = &model;
         let mut issues = Vec::new();
         let laws = laws.iter().map(|(name, law)| (name.clone(), OwnLaw(Arc::clone(law)))).collect();
@@ -218,6 +209,7 @@ impl<'a> Compiler<'a> {
             unit: elements.unit,
             strains,
             own_loads: Vec::new(),
+            field_loads: Vec::new(),
             assembled: Vec::new(),
         };
         compiler.check_supports(&mut issues);
@@ -246,12 +238,6 @@ impl<'a> Compiler<'a> {
         &self.steps
     }
 
-    /// Nodal vectors of the position and of the (first) director of a node; `None` for nodes without elements.
-    pub fn vectors_of(&self, node: u32) -> Option<[u32; 2]> {
-        let of = |list: &[u32]| list.get(node as usize).copied().filter(|&v| v != u32::MAX);
-        Some([of(&self.vectors.coordinates.position_of)?, of(&self.vectors.coordinates.director_of)?])
-    }
-
     /// Takes over at which time or load factor a step has ended: the loads of later steps continue from there.
     pub fn end_step(&mut self, step: usize, at: f64) {
         let mut ends: Vec<f64> = self.steps.iter().map(|step| step.ends_at).collect();
@@ -259,12 +245,6 @@ impl<'a> Compiler<'a> {
             *end = at;
             self.steps = steps::steps_with_ends(&self.model, &ends);
         }
-    }
-
-    /// Adds a load of the caller to all steps compiled from now on. In a static step it grows with the load factor, unless
-    /// an earlier step had it, in a transient one it acts from the start.
-    pub fn add_load(&mut self, name: &str, load: Arc<dyn NodalLoad>) {
-        self.own_loads.push((name.to_owned(), OwnLoad(load)));
     }
 
     /// System of an analysis step that begins at `start` (where `None` at rest in the reference configuration, or where joints do not meet there,
@@ -491,8 +471,10 @@ fn checked(
     model: &Model,
     mesh: &Mesh,
     laws: &BTreeMap<String, Arc<dyn MaterialLaw>>,
+    loaded: bool,
 ) -> Result<(Model, Vec<StepModel>)> {
     let mut issues = check::keys(model);
+    issues.retain(|issue| !loaded || issue.message != own_parts::NOTHING_ACTS);
     issues.extend(body_inertia::unread_surfaces(model));
     if !issues.is_empty() && !model.beams.is_empty() {
         return Err(Error::Model(issues));
@@ -503,7 +485,7 @@ fn checked(
     issues.extend(check::sets(model, mesh));
     let model = beams::with_nodes(model);
     let steps = steps::steps(&model);
-    issues.extend(laws.keys().filter_map(|name| irreplaceable(&model, name)));
+    issues.extend(laws.keys().filter_map(|name| own_parts::irreplaceable(&model, name)));
     if issues.is_empty() { Ok((model, steps)) } else { Err(Error::Model(issues)) }
 }
 
@@ -547,19 +529,6 @@ fn inputs(model: &Model) -> Vec<Range<usize>> {
         range
     };
     modal.inputs.iter().map(range).collect()
-}
-
-/// A law for a material that is not there, or is linear: linear materials are integrated when the model is compiled.
-fn irreplaceable(model: &Model, name: &str) -> Option<Issue> {
-    let (message, help) = match model.materials.get(name) {
-        None => ("a law is given for it, but the model has no such material", "add the material"),
-        Some(material) if material.is_linear() => (
-            "a law is given for it, but the material is linear and integrated when the model is compiled",
-            "give it a nonlinear type, such as \"neo-hookean\", with the stiffness of the law at zero strain",
-        ),
-        Some(_) => return None,
-    };
-    Some(Issue::new(format!("materials.{name}"), message, help))
 }
 
 /// A model all of whose degrees of freedom are constrained.

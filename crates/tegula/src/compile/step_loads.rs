@@ -7,7 +7,8 @@ use super::step_joints::{Released, StepJoints};
 use super::steps::StepModel;
 use super::{Compiler, force_sets, relief, turning};
 use crate::Issue;
-use crate::load::{CentrifugalLoad, FollowerLoad, OwnLoad};
+use crate::load::{CentrifugalLoad, Dependence, FollowerLoad, LoadOnNodes, OwnLoad};
+use crate::model::{Analysis, Scheme};
 use crate::system::dof_map::DofMap;
 use crate::system::{ForceSet, InertiaRelief};
 
@@ -44,6 +45,14 @@ impl Compiler<'_> {
             load_sets.push(force_sets::of_caller(name, mesh));
             followers.push(of_caller(load, step));
         }
+        for (name, load) in &self.field_loads {
+            issues.extend(refused_field(name, load, step));
+            load_of_follower.resize(followers.len() + load.vectors().len(), load_sets.len());
+            load_sets.push(force_sets::of_caller(name, mesh));
+            let factor = step.of_caller.factor(None);
+            let nodes = 0..load.vectors().len();
+            followers.extend(nodes.map(|place| FollowerLoad::Field { load: load.clone(), place, factor }));
+        }
         let mut support_sets = force_sets::of_conditions(model, mesh);
         if let Some(relief) = inertia_relief {
             relief.load_set = load_sets.len();
@@ -69,3 +78,30 @@ impl Compiler<'_> {
 fn of_caller(load: &OwnLoad, step: &StepModel) -> FollowerLoad {
     FollowerLoad::Own { load: load.clone(), factor: step.of_caller.factor(None) }
 }
+
+/// A step that cannot have a load of the caller on many nodes.
+fn refused_field(name: &str, load: &LoadOnNodes, step: &StepModel) -> Option<Issue> {
+    let dependence = load.dependence();
+    let (reason, help) = match &step.model.analysis {
+        Analysis::Buckling(_) => (
+            "a buckling analysis has loads that grow in proportion, and these are functions",
+            "find the load by a static analysis or along a path",
+        ),
+        Analysis::Static(keys) if keys.linear && dependence > Dependence::Time => LINEAR,
+        Analysis::Transient(keys) if keys.linear && dependence > Dependence::Time => LINEAR,
+        Analysis::Transient(keys) if dependence == Dependence::Velocities => match &keys.scheme {
+            Scheme::EnergyMomentum(scheme) if scheme.order > 2 => {
+                ("steps of order 4 go backwards in time, where dampers feed", "use `order = 2` of the scheme")
+            }
+            _ => return None,
+        },
+        _ => return None,
+    };
+    Some(Issue::new("loads", format!("the load \"{name}\" of the caller cannot act: {reason}"), help))
+}
+
+/// Refusal of loads that depend on the motion where displacements are small.
+const LINEAR: (&str, &str) = (
+    "a linear analysis evaluates loads in the reference configuration, and this one depends on the motion",
+    "leave `linear` out, or make the load a function of the time alone",
+);

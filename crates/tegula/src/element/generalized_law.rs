@@ -47,6 +47,11 @@ pub trait GeneralizedLaw<const S: usize>: Send + Sync {
     /// Stored energy ψ.
     fn energy(&self, element: usize, s: &[f64; S], interior: &InternalVariables) -> f64;
 
+    /// Runs an evaluation of many elements, whose results it overwrites: several times where it has laws that are evaluated at many points in one call.
+    fn evaluated(&self, work: &mut dyn FnMut()) {
+        work();
+    }
+
     /// Whether stresses are affine functions of the strains and of the factors of prescribed strains, without history.
     fn is_linear(&self) -> bool {
         false

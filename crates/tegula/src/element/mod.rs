@@ -5,6 +5,7 @@ pub mod bilinear;
 mod bilinear_kernel;
 mod bilinear_series;
 mod chunks;
+mod collected_law;
 pub mod curved_strain;
 pub mod director_angle;
 mod enhanced_newton;

@@ -9,13 +9,16 @@
 //! last step, and condenses them statically: `H = K_ss − K_sα K_αα⁻¹ K_αs`. Stress and tangent are therefore functions
 //! of the sampled strains and of the committed history variables alone.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, Matrix6, Vector6};
 
+use super::collected_law::Collector;
 use super::enhanced_newton::{Correction, MAX_PARAMETERS, ParameterMatrix, Parameters, factor, solve};
 use super::generalized_law::{GeneralizedLaw, energy_of_fields};
 use super::group::InternalVariables;
 use super::shell::{IntegrationPoint, PointResponse};
-use crate::material::Law;
+use crate::material::{Law, Response};
 
 /// Largest number of internal variables at an integration point.
 const MAX_HISTORY: usize = 16;
@@ -102,6 +105,8 @@ pub struct PointLaw<const S: usize> {
     history: usize,
     /// H of the reference configuration, `S × S` per element.
     reference: Vec<f64>,
+    /// Responses of laws that are evaluated at many points in one call; `None`: there are no such laws.
+    collector: Option<Arc<Collector>>,
 }
 
 /// K_ss and K_sα of an element.
@@ -124,7 +129,8 @@ impl<const S: usize> PointLaw<S> {
             .first()
             .map_or(0, |e| parameters + e.points.iter().map(|p| laws[p.0].history()).sum::<usize>());
         let any_linear = elements.iter().any(|e| e.linear.iter().any(|k| *k != 0.0));
-        let mut out = Self { laws, parameters, points, fields, history, ..Self::default() };
+        let collector = laws.iter().any(Law::is_collected).then(Arc::default);
+        let mut out = Self { laws, parameters, points, fields, history, collector, ..Self::default() };
         for e in elements {
             if any_linear {
                 // Symmetric: columns serve as rows.
@@ -143,9 +149,11 @@ impl<const S: usize> PointLaw<S> {
         let zero = vec![0.0; history];
         let interior = InternalVariables { history: &zero, factors: &[] };
         let mut reference = vec![0.0; elements * S * S];
-        for (e, block) in reference.chunks_exact_mut(S * S).enumerate() {
-            out.with_tangent(e, &[0.0; S], &interior, |h| block.copy_from_slice(h));
-        }
+        out.evaluated(&mut || {
+            for (e, block) in reference.chunks_exact_mut(S * S).enumerate() {
+                out.with_tangent(e, &[0.0; S], &interior, |h| block.copy_from_slice(h));
+            }
+        });
         out.reference = reference;
         out
     }
@@ -208,6 +216,23 @@ impl<const S: usize> PointLaw<S> {
             f(point, law, &strain, &interior.history[place.clone()], place)?;
         }
         Some(())
+    }
+
+    /// Response of the law of an integration point.
+    #[inline]
+    fn respond(
+        &self,
+        point: usize,
+        law: &Law,
+        strain: &Vector6<f64>,
+        committed: &[f64],
+        updated: &mut [f64],
+    ) -> Option<Response> {
+        let collector = self.collector.as_ref().filter(|_| law.is_collected());
+        match collector.and_then(|collector| collector.respond(self.law[point], strain)) {
+            Some(response) => response,
+            None => law.respond(strain, committed, updated),
+        }
     }
 
     /// Row `i` of K x − Σ f σ₀ of the linear integration points.
@@ -306,7 +331,7 @@ impl<const S: usize> PointLaw<S> {
         }
         self.for_each_point(element, s, alpha, interior, |point, law, strain, committed, _| {
             let mut updated = [0.0; MAX_HISTORY];
-            let response = law.respond(strain, committed, &mut updated[..committed.len()])?;
+            let response = self.respond(point, law, strain, committed, &mut updated[..committed.len()])?;
             let w = self.weight[point];
             let l = &self.strain[point * 6 * n..(point + 1) * 6 * n];
             scale += w * (response.tangent * strain).dot(strain).abs();
@@ -368,7 +393,7 @@ impl<const S: usize> PointLaw<S> {
         }
         self.for_each_point(element, s, alpha, interior, |point, law, strain, committed, place| {
             let mut updated = [0.0; MAX_HISTORY];
-            let r = law.respond(strain, committed, &mut updated[..committed.len()])?;
+            let r = self.respond(point, law, strain, committed, &mut updated[..committed.len()])?;
             let w = self.weight[point];
             let l = &self.strain[point * 6 * n..(point + 1) * 6 * n];
             out.energy += w * r.energy;
@@ -539,6 +564,13 @@ impl<const S: usize> GeneralizedLaw<S> for PointLaw<S> {
         parameters
             .and_then(|(alpha, _)| self.pass(element, s, &alpha, interior, None, None))
             .map_or(f64::NAN, |p| p.energy)
+    }
+
+    fn evaluated(&self, work: &mut dyn FnMut()) {
+        match &self.collector {
+            Some(collector) => collector.run(&self.laws, work),
+            None => work(),
+        }
     }
 
     fn history(&self) -> usize {

@@ -317,7 +317,7 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
                     },
                 );
             };
-            return for_each_chunk(forces, N, &work);
+            return self.constitution.evaluated(&mut || for_each_chunk(&mut *forces, N, &work));
         };
         let size = 9 * SampledStrains::<M, N, S, D>::BLOCKS;
         let TangentRequest { weights, stress, prescribed, blocks } = request;
@@ -333,7 +333,8 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
                 },
             );
         };
-        for_each_chunk_of_two((forces, N), (blocks, size), &work);
+        self.constitution
+            .evaluated(&mut || for_each_chunk_of_two((&mut *forces, N), (&mut *blocks, size), &work));
     }
 
     fn forces_of_stresses(
@@ -359,11 +360,12 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
     }
 
     fn stresses(&self, k: &GroupPoint, stresses: &mut [f64]) {
-        for_each_chunk(stresses, S, &|first, stresses| {
+        let work = |first: usize, stresses: &mut [f64]| {
             for (i, n) in stresses.chunks_exact_mut(S).enumerate() {
                 n.copy_from_slice(&self.stress(first + i, k).stress);
             }
-        });
+        };
+        self.constitution.evaluated(&mut || for_each_chunk(&mut *stresses, S, &work));
     }
 
     fn extrapolate(
@@ -389,28 +391,31 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
                 }
             }
         };
-        for_each_chunk(stresses, S, &|first, stresses| {
+        let work = |first: usize, stresses: &mut [f64]| {
             stresses.chunks_exact_mut(S).enumerate().for_each(|(i, out)| one(first + i, out));
-        });
+        };
+        self.constitution.evaluated(&mut || for_each_chunk(&mut *stresses, S, &work));
     }
 
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
-        for_each_chunk(energies, 1, &|first, energies| {
+        let work = |first: usize, energies: &mut [f64]| {
             for (e, out) in (first..).zip(energies) {
                 *out = self.constitution.energy(e, &self.strain(e, k), &self.interior(e, k));
             }
-        });
+        };
+        self.constitution.evaluated(&mut || for_each_chunk(&mut *energies, 1, &work));
     }
 
     fn material_energies(&self, k: &GroupPoint, motion: &[Nodal], energies: &mut [f64]) {
-        for_each_chunk(energies, 1, &|first, energies| {
+        let work = |first: usize, energies: &mut [f64]| {
             for (e, energy) in (first..).zip(energies) {
                 let StrainState { acting, strain, .. } = self.stress(e, k);
                 let change = self.strains.rates(&acting, &self.strains.directions(&self.gather(e, motion)));
                 let stress = self.constitution.tangent_product(e, &strain, &change, &self.interior(e, k));
                 *energy = 0.5 * change.iter().zip(&stress).map(|(s, n)| s * n).sum::<f64>();
             }
-        });
+        };
+        self.constitution.evaluated(&mut || for_each_chunk(&mut *energies, 1, &work));
     }
 
     fn sampled_strains(&self, element: usize, k: &GroupPoint) -> Vec<f64> {
@@ -432,9 +437,12 @@ impl<const M: usize, const N: usize, const S: usize, const D: usize, C: Generali
         }
         // Summed element by element, so that the result does not depend on the number of threads.
         let mut dissipated = 0.0;
-        for (e, out) in history.chunks_exact_mut(n).enumerate() {
-            dissipated += self.constitution.update(e, &self.strain(e, k), &self.interior(e, k), out);
-        }
+        self.constitution.evaluated(&mut || {
+            dissipated = 0.0;
+            for (e, out) in history.chunks_exact_mut(n).enumerate() {
+                dissipated += self.constitution.update(e, &self.strain(e, k), &self.interior(e, k), out);
+            }
+        });
         dissipated
     }
 

@@ -5,8 +5,10 @@
 //! [`CirculatoryStiffness`](crate::system::CirculatoryStiffness), is added in the solution of the linear systems. It
 //! vanishes for conservative cases: pressure on closed or supported edges, moments in the plane of bending.
 
+use std::sync::Arc;
+
 use super::edge_couple::{EdgeForces, edge_derivative, edge_forces};
-use super::{LoadFactor, OwnLoad};
+use super::{Dependence, LoadFactor, LoadOnNodes, OwnLoad};
 use crate::element::Nodal;
 use crate::element::geometry::{GAUSS_POINTS, shape, shape_eta, shape_xi};
 use crate::{Mat3, Vec3};
@@ -14,7 +16,7 @@ use crate::{Mat3, Vec3};
 pub use crate::model::LoadStiffness;
 
 /// Follower load: it depends on the positions and directors on which it acts.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum FollowerLoad {
     /// Pressure on a quad (positions of its nodes): `f_a = −p ∫N_a r,ξ × r,η dξdη`.
     Pressure {
@@ -71,6 +73,15 @@ pub enum FollowerLoad {
         /// Factor over the analysis step.
         factor: LoadFactor,
     },
+    /// One node of a load that is evaluated for all its nodes together, by the [`System`](crate::System): alone it has neither forces nor stiffness.
+    Field {
+        /// Load on all nodes.
+        load: Arc<LoadOnNodes>,
+        /// Number of the node among those of the load.
+        place: usize,
+        /// Factor over the analysis step.
+        factor: LoadFactor,
+    },
 }
 
 impl FollowerLoad {
@@ -81,7 +92,7 @@ impl FollowerLoad {
             Self::Moment { moment, .. }
             | Self::EdgeMoment { moment, .. }
             | Self::BodyMoment { moment, .. } => *moment == Vec3::zeros(),
-            Self::Own { .. } => false,
+            Self::Own { .. } | Self::Field { .. } => false,
         }
     }
 
@@ -93,6 +104,7 @@ impl FollowerLoad {
             Self::EdgeMoment { vectors, .. } => vectors,
             Self::BodyMoment { directors, .. } => directors,
             Self::Own { load, .. } => load.0.vectors(),
+            Self::Field { load, place, .. } => std::slice::from_ref(&load.vectors()[*place]),
         }
     }
 
@@ -103,7 +115,8 @@ impl FollowerLoad {
             | Self::Moment { factor, .. }
             | Self::EdgeMoment { factor, .. }
             | Self::BodyMoment { factor, .. }
-            | Self::Own { factor, .. } => factor,
+            | Self::Own { factor, .. }
+            | Self::Field { factor, .. } => factor,
         }
     }
 
@@ -130,6 +143,7 @@ impl FollowerLoad {
             }
             Self::BodyMoment { moment, .. } => turn_directors(moment, x, out),
             Self::Own { load, .. } => load.0.forces(x, out),
+            Self::Field { .. } => out.fill([0.0; 3]),
         }
     }
 
@@ -182,6 +196,7 @@ impl FollowerLoad {
                 (0..3).for_each(|i| k[i][i] = moment.cross_matrix() * -0.5);
             }
             Self::Own { load, .. } => k = load.0.stiffness(x),
+            Self::Field { .. } => {}
         }
         k
     }
@@ -198,6 +213,11 @@ impl FollowerLoad {
                 }
             }
         }
+    }
+
+    /// Whether forces depend on velocities.
+    pub fn depends_on_velocities(&self) -> bool {
+        matches!(self, Self::Field { load, .. } if load.dependence() == Dependence::Velocities)
     }
 
     /// Ratio of the drilling component of a moment, which does no work, to the moment, at the nodal vectors `x`.

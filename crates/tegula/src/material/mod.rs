@@ -69,6 +69,15 @@ pub trait MaterialLaw: Debug + Send + Sync {
     fn is_hyperelastic(&self) -> bool {
         false
     }
+    /// True for a law without internal variables whose calls cost more than its arithmetic: elements collect the strains of many points for one call of
+    /// [`respond_many`](Self::respond_many). Results at single places, as stresses of output, are still asked for by [`respond`](Self::respond).
+    fn is_collected(&self) -> bool {
+        false
+    }
+    /// Responses to many strains, of a law without internal variables; as many as there are strains.
+    fn respond_many(&self, strains: &[Strain]) -> Vec<Option<Response>> {
+        strains.iter().map(|strain| self.respond(strain, &[], &mut [])).collect()
+    }
 }
 
 /// Shared law of a caller; two are equal if they are the same object.
@@ -96,6 +105,14 @@ impl MaterialLaw for OwnLaw {
 
     fn is_hyperelastic(&self) -> bool {
         self.0.is_hyperelastic()
+    }
+
+    fn is_collected(&self) -> bool {
+        self.0.is_collected() && self.0.history() == 0
+    }
+
+    fn respond_many(&self, strains: &[Strain]) -> Vec<Option<Response>> {
+        self.0.respond_many(strains)
     }
 }
 
@@ -312,6 +329,18 @@ macro_rules! laws {
             pub fn is_hyperelastic(&self) -> bool {
                 match self {
                     $(Self::$law(law) => law.is_hyperelastic(),)*
+                }
+            }
+
+            /// True for laws that are evaluated at many points in one call.
+            pub fn is_collected(&self) -> bool {
+                matches!(self, Self::Own(law) if law.is_collected())
+            }
+
+            /// Responses to many strains, of a law without internal variables.
+            pub fn respond_many(&self, strains: &[Strain]) -> Vec<Option<Response>> {
+                match self {
+                    $(Self::$law(law) => MaterialLaw::respond_many(law, strains),)*
                 }
             }
         }

@@ -82,13 +82,30 @@ struct Internals {
     cuts: Vec<Nodal>,
 }
 
+/// Instant at which loads act.
+struct LoadInstant<'a> {
+    time: f64,
+    /// Weight of the loads of this instant.
+    share: f64,
+    u: Cow<'a, [Nodal]>,
+    /// Velocities; empty: there are none.
+    v: Cow<'a, [Nodal]>,
+}
+
+impl<'a> LoadInstant<'a> {
+    /// Loads of a state.
+    fn of(state: &'a State, share: f64) -> Self {
+        Self { time: state.time, share, u: Cow::Borrowed(&state.u), v: Cow::Borrowed(&state.v) }
+    }
+}
+
 /// Forces that make up the balance of one instant, and the nodal vectors on which they act.
 struct Forces<'a> {
     u: Cow<'a, [Nodal]>,
     internal: Internals,
     inertia: Vec<Nodal>,
-    /// Times at which loads act, the weight of each, and the displacements there.
-    loads: Vec<(f64, f64, Cow<'a, [Nodal]>)>,
+    /// Instants at which loads act.
+    loads: Vec<LoadInstant<'a>>,
 }
 
 /// Recovery of reactions and of the balance of forces.
@@ -116,7 +133,7 @@ impl ReactionFinder {
             _ => Forces {
                 internal: self.internal(system, new),
                 inertia: inertia(system, &new.a, &new.v),
-                loads: vec![(new.time, 1.0, Cow::Borrowed(new.u.as_slice()))],
+                loads: vec![LoadInstant::of(new, 1.0)],
                 u: Cow::Borrowed(&new.u),
             },
         };
@@ -146,7 +163,7 @@ impl ReactionFinder {
         Forces {
             internal,
             inertia: inertia(system, &new.a, &combine(shares, &old.v, &new.v)),
-            loads: loads.map(|(s, share)| (s.time, share, Cow::Borrowed(s.u.as_slice()))).collect(),
+            loads: loads.map(|(state, share)| LoadInstant::of(state, share)).collect(),
             u: Cow::Owned(combine(shares, &old.u, &new.u)),
         }
     }
@@ -165,7 +182,12 @@ impl ReactionFinder {
             internal,
             // The state holds the mean accelerations of the step.
             inertia: inertia(system, &new.a, &combine(rate, &old.u, &new.u)),
-            loads: vec![(middle, 1.0, Cow::Owned(u.clone()))],
+            loads: vec![LoadInstant {
+                time: middle,
+                share: 1.0,
+                u: Cow::Owned(u.clone()),
+                v: Cow::Owned(combine(rate, &old.u, &new.u)),
+            }],
             u: Cow::Owned(u),
         }
     }
@@ -278,8 +300,11 @@ impl Supported {
 }
 
 /// Adds the loads of one set.
-fn add_load_set(system: &System, set: usize, times: &[(f64, f64, Cow<[Nodal]>)], out: &mut Vec<Nodal>) {
-    for (time, share, u) in times {
+fn add_load_set(system: &System, set: usize, instants: &[LoadInstant], out: &mut Vec<Nodal>) {
+    for LoadInstant { time, share, u, v } in instants {
+        let velocity = (!v.is_empty()).then_some(v.as_ref());
+        let motion = Motion::State { u, velocity };
+        system.add_field_loads(&motion, (*time, *share), |of| of == set, out);
         for (load, _) in system.dead_loads.iter().zip(&system.load_of_dead).filter(|(_, of)| **of == set) {
             *out = combine([1.0, share * system.factor(&load.factor, *time)], out, &load.force);
         }

@@ -1,5 +1,6 @@
 //! Buffers and routines that sum element contributions: internal forces, tangent, energies.
 
+mod field_loads;
 mod follower_loads;
 mod stress_stiffness;
 
@@ -17,6 +18,7 @@ use crate::element::{ElementGroup, Motion, Nodal, TangentRequest, TangentWeights
 use crate::lists::Lists;
 use crate::load::FollowerLoad;
 use crate::norm::larger;
+pub use field_loads::FieldStiffness;
 pub(super) use follower_loads::add_applied_follower_loads;
 use follower_loads::load_stiffness;
 pub use follower_loads::{add_follower_loads, add_follower_stiffness};
@@ -289,8 +291,9 @@ impl Assembly {
         let w = &parts.weights;
         let direction = if k.linear { 0.0 } else { w.force * w.direction };
         let factor = |load: &FollowerLoad| direction * system.factor(load.factor(), parts.time);
+        let fields = FieldStiffness::of(system, &k.motion, parts);
         for first in (0..system.followers.len()).step_by(BATCH) {
-            let size = load_stiffness(system, &k.motion, (first, &factor), frames, blocks);
+            let size = load_stiffness(system, &k.motion, (first, &factor), &fields, frames, blocks);
             take(None, &blocks[..size], (frames, values));
         }
     }

@@ -15,7 +15,7 @@
 use std::collections::BTreeMap;
 
 use super::LocalFrames;
-use super::assembly::TangentCoefficients;
+use super::assembly::{FieldStiffness, TangentCoefficients};
 use super::dof_map::CONSTRAINED;
 use super::evaluation_point::current_vector;
 use super::{System, VectorKind};
@@ -27,6 +27,8 @@ use crate::{Mat3, Vec3};
 const CANCELLED: f64 = 1e-12;
 /// Skew blocks below this part of the load's stiffness are round-off.
 const ROUNDING: f64 = 1e-13;
+/// As [`ROUNDING`], of stiffnesses that are differences of forces.
+const ROUNDING_OF_DIFFERENCES: f64 = 1e-7;
 
 impl System {
     /// Bound of the work `½ |m × θ| |θ|` of the skew stiffness `½ [m]×` of moments m that are constant in space, on bodies that turn by θ in a
@@ -158,8 +160,16 @@ impl CirculatoryStiffness {
                 self.blocks.push(Block { row: a, column: b, values: values * 0.5 });
             }
         }
+        let fields = FieldStiffness::of(system, motion, parts);
         for &n in &self.moments {
             let load = &system.followers[n as usize];
+            if let Some(block) = fields.block(system, n as usize) {
+                let (row, values) = (load.vectors()[0], (block - block.transpose()) * 0.5);
+                if !(values.amax() <= ROUNDING_OF_DIFFERENCES * block.amax()) {
+                    self.blocks.push(Block { row, column: row, values });
+                }
+                continue;
+            }
             let factor = direction * system.factor(load.factor(), parts.time);
             let vectors = load.vectors();
             let mut x = [Vec3::zeros(); 4];

@@ -11,10 +11,10 @@ use rayon::prelude::*;
 
 use super::System;
 use super::VectorKind;
-use super::assembly::{ElementBlocks, pairs};
+use super::assembly::{ElementBlocks, FieldStiffness, TangentCoefficients, pairs};
 use super::connection_frequency::{body_of, is_connection, is_joint};
 use crate::Vec3;
-use crate::element::{ElementGroup, Nodal};
+use crate::element::{ElementGroup, Motion, Nodal, TangentWeights};
 use crate::load::FollowerLoad;
 use crate::norm::larger;
 
@@ -222,7 +222,9 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
     }
     let mut square = Square::<LARGEST>::new();
     let mut highest = 0.0_f64;
-    for load in system.followers.iter().filter(|load| bounds_the_step(load)) {
+    let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time };
+    let fields = FieldStiffness::of(system, &Motion::State { u, velocity: None }, &parts);
+    for (number, load) in system.followers.iter().enumerate().filter(|(_, load)| bounds_the_step(load)) {
         let n = load.vectors().len();
         let (mut x, mut part, mut blocks) = ([Vec3::zeros(); 4], [0.0; 4], [0.0; 90]);
         for (a, &v) in load.vectors().iter().enumerate() {
@@ -231,9 +233,16 @@ pub fn of_followers(system: &System, shares: &MassShares, mass: &[f64], u: &[Nod
             part[a] = mass[v] / f64::from(shares.loads[v].max(1));
         }
         // The stiffness gains −∂f/∂x.
-        load.stiffness(&x[..n], &mut blocks[..9 * pairs(n)]);
-        let factor = system.factor(load.factor(), time);
-        blocks.iter_mut().for_each(|k| *k *= factor);
+        match fields.block(system, number) {
+            Some(block) => {
+                blocks[..9].copy_from_slice(((block + block.transpose()) * 0.5).as_slice());
+            }
+            None => {
+                load.stiffness(&x[..n], &mut blocks[..9 * pairs(n)]);
+                let factor = system.factor(load.factor(), time);
+                blocks.iter_mut().for_each(|k| *k *= factor);
+            }
+        }
         // Positions and directors of bodies have their masses in the bodies' inertia.
         square.fill(&blocks[..9 * pairs(n)], &part[..n], |a| part[a] > 0.0);
         highest = larger(highest, square.bound(highest));

@@ -502,9 +502,10 @@ impl System {
         self.groups.iter().any(|g| g.has_actuators())
     }
 
-    /// Whether elements have strain-rate damping, or springs dampers.
+    /// Whether elements have strain-rate damping, springs dampers, or loads depend on velocities.
     pub fn has_rate_damping(&self) -> bool {
         self.groups.iter().any(|g| g.has_rate_damping())
+            || self.followers.iter().any(FollowerLoad::depends_on_velocities)
     }
 
     /// Whether the velocity of a prescribed motion jumps at a time.

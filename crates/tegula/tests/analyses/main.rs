@@ -34,6 +34,7 @@ mod explicit;
 mod explicit_joints;
 mod explicit_models;
 mod family_dynamics;
+mod field_loads;
 mod fields_by_formulas;
 mod follower;
 mod foundations;

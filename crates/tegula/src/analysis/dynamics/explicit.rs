@@ -133,7 +133,7 @@ impl<'a> Explicit<'a> {
     /// Initialises loads, reactions and inertia at the state from which steps start.
     pub(super) fn begin(&mut self, state: &State) {
         self.stand(state);
-        self.find_loads(state);
+        self.find_loads(state, false);
         if !self.reactions.is_empty() {
             self.find_forces(state);
             self.find_reactions(state);
@@ -163,7 +163,7 @@ impl<'a> Explicit<'a> {
         let internal = Internal { history: &state.history, multipliers: &self.without };
         let k = EvaluationPoint::new(system, motion, end, internal);
         self.assembly.forces(system, &k, &mut self.forces);
-        self.find_loads(state);
+        self.find_loads(state, true);
         self.kick(state, dt);
         self.close_rates(state, dt);
         let before = self.inertia;
@@ -295,12 +295,14 @@ impl<'a> Explicit<'a> {
         self.assembly.forces(self.system, &k, &mut self.forces);
     }
 
-    /// Loads at a state.
-    fn find_loads(&mut self, state: &State) {
-        self.loads.fill([0.0; 3]);
-        self.system.add_dead_loads(state.time, 1.0, &mut self.loads);
-        let motion = Motion::State { u: &state.u, velocity: None };
-        add_follower_loads(self.system, &motion, state.time, 1.0, &mut self.loads);
+    /// Loads at a state, with the velocities of the half step before, as those of dampers, or with those of the state.
+    fn find_loads(&mut self, state: &State, of_half_step: bool) {
+        let Self { loads, middle, system, .. } = self;
+        loads.fill([0.0; 3]);
+        system.add_dead_loads(state.time, 1.0, loads);
+        let velocity = Some(if of_half_step { middle.as_slice() } else { state.v.as_slice() });
+        let motion = Motion::State { u: &state.u, velocity };
+        add_follower_loads(system, &motion, state.time, 1.0, loads);
     }
 
     /// Velocities and accelerations at the end of the step from the forces there.

@@ -213,7 +213,7 @@ impl Newmark {
         }
         self.loads_old.fill([0.0; 3]);
         let mut loads = std::mem::take(&mut self.loads_old);
-        self.loads(system, state.time, &state.u, &mut loads);
+        self.loads(system, state.time, (&state.u, &state.v), &mut loads);
         self.loads_old = loads;
         self.predicted = (!state.mean_a.is_empty())
             .then(|| span.dt * span.dt / (2.0 * self.beta) * system.kinetic_energy(&state.mean_a));
@@ -229,7 +229,7 @@ impl Newmark {
     ) {
         let share = 1.0 - self.alpha_f;
         out.fill([0.0; 3]);
-        self.loads(system, self.time, &self.u, out);
+        self.loads(system, self.time, (&self.u, &self.v), out);
         for (o, old) in out.iter_mut().zip(&self.old_rest) {
             for i in 0..3 {
                 o[i] = share * o[i] + self.alpha_f * old[i];
@@ -259,7 +259,7 @@ impl Newmark {
     /// Mean of the loads at both ends of the step.
     pub(super) fn mean_loads(&self, system: &System, out: &mut [Nodal]) {
         out.fill([0.0; 3]);
-        self.loads(system, self.time, &self.u, out);
+        self.loads(system, self.time, (&self.u, &self.v), out);
         for (o, old) in out.iter_mut().zip(&self.loads_old) {
             *o = std::array::from_fn(|i| 0.5 * (o[i] + old[i]));
         }
@@ -282,9 +282,10 @@ impl Newmark {
         system.position_rms(|v| error[v])
     }
 
-    pub(super) fn loads(&self, system: &System, time: f64, u: &[Nodal], out: &mut [Nodal]) {
+    /// Adds the loads of a motion, given by displacements and velocities.
+    pub(super) fn loads(&self, system: &System, time: f64, (u, v): (&[Nodal], &[Nodal]), out: &mut [Nodal]) {
         system.add_dead_loads(time, 1.0, out);
-        let motion = Motion::State { u, velocity: None };
+        let motion = Motion::State { u, velocity: Some(v) };
         add_follower_loads(system, &motion, time, 1.0, out);
     }
 }
@@ -418,7 +419,7 @@ impl Newmark {
     ) -> StepWork {
         let mut loads = std::mem::take(&mut self.buffer);
         loads.fill([0.0; 3]);
-        self.loads(system, self.time, &self.u, &mut loads);
+        self.loads(system, self.time, (&self.u, &self.v), &mut loads);
         let trapezoid =
             0.5 * (work(&self.loads_old, &self.u_old, &self.u) + work(&loads, &self.u_old, &self.u));
         let gravity =
@@ -529,7 +530,7 @@ impl Newmark {
             let motion = Motion::State { u, velocity: Some(v) };
             let k = EvaluationPoint::new(system, motion, time, internal);
             assembly.forces(system, &k, &mut reaction);
-            self.loads(system, time, u, &mut loads);
+            self.loads(system, time, (u, v), &mut loads);
             system.pattern.add_mass_product(1.0, a, &mut reaction);
             system.pattern.add_mass_product(system.mass_damping, v, &mut reaction);
             for (r, f) in reaction.iter_mut().zip(&loads) {

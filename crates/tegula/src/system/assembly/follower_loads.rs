@@ -1,6 +1,6 @@
 //! Follower loads in the assembly: their forces, and their load stiffness with its reduction to rigid bodies.
 
-use super::{BATCH, TangentCoefficients, pairs};
+use super::{BATCH, FieldStiffness, TangentCoefficients, pairs};
 use crate::Vec3;
 use crate::element::{Motion, Nodal};
 use crate::load::FollowerLoad;
@@ -13,14 +13,20 @@ pub(super) fn load_stiffness(
     system: &System,
     motion: &Motion,
     (first, factor): (usize, &dyn Fn(&FollowerLoad) -> f64),
+    fields: &FieldStiffness,
     frames: &LocalFrames,
     blocks: &mut [f64],
 ) -> usize {
     let batch = first..system.followers.len().min(first + BATCH);
     let mut size = 0;
-    for load in &system.followers[batch.clone()] {
+    for (number, load) in batch.clone().zip(&system.followers[batch.clone()]) {
         let n = load.vectors().len();
         let own = &mut blocks[size..size + 9 * pairs(n)];
+        if let Some(block) = fields.block(system, number) {
+            own.copy_from_slice(((block + block.transpose()) * 0.5).as_slice());
+            size += own.len();
+            continue;
+        }
         let mut x = [Vec3::zeros(); 4];
         current(system, motion, load.vectors(), &mut x);
         load.stiffness(&x[..n], own);
@@ -58,7 +64,8 @@ pub(in crate::system) fn add_applied_follower_loads(
     factor: f64,
     out: &mut [Nodal],
 ) {
-    for load in &system.followers {
+    system.add_field_loads(motion, (time, factor), |_| true, out);
+    for load in system.followers.iter().filter(|load| !matches!(load, FollowerLoad::Field { .. })) {
         let mut x = [Vec3::zeros(); 4];
         current(system, motion, load.vectors(), &mut x);
         let mut f = [[0.0; 3]; 4];
@@ -87,10 +94,16 @@ pub fn add_follower_stiffness(
     }
     system.add_centrifugal_stiffness(parts, increment, out);
     let direction = parts.weights.force * parts.weights.direction;
-    for load in &system.followers {
+    let fields = FieldStiffness::of(system, motion, parts);
+    for (number, load) in system.followers.iter().enumerate() {
         let vectors = load.vectors();
         let delta = |b: usize| Vec3::from(increment[vectors[b] as usize]);
         if (0..vectors.len()).all(|b| delta(b) == Vec3::zeros()) {
+            continue;
+        }
+        if let Some(block) = fields.block(system, number) {
+            let change = block * delta(0);
+            (0..3).for_each(|i| out[vectors[0] as usize][i] -= change[i]);
             continue;
         }
         let mut x = [Vec3::zeros(); 4];

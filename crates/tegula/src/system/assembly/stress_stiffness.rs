@@ -13,7 +13,7 @@
 //! stiffness or stress stiffness (O. C. Zienkiewicz, R. L. Taylor, *The Finite Element Method*, vol. 2, on linear buckling).
 
 use super::follower_loads::load_stiffness;
-use super::{Assembly, BATCH, TangentCoefficients, pairs};
+use super::{Assembly, BATCH, FieldStiffness, TangentCoefficients, pairs};
 use crate::element::quadratic::multiply_blocks;
 use crate::element::{Nodal, StressIncrement, TangentWeights};
 use crate::load::FollowerLoad;
@@ -103,8 +103,10 @@ impl Assembly {
             let [before, after] = times.map(|time| system.factor(load.factor(), time));
             after - before
         };
+        // Buckling analyses have no field loads.
+        let fields = FieldStiffness::default();
         for first in (0..system.followers.len()).step_by(BATCH) {
-            let size = load_stiffness(system, &k.motion, (first, &change), frames, blocks);
+            let size = load_stiffness(system, &k.motion, (first, &change), &fields, frames, blocks);
             system.pattern.add(*batch, &blocks[..size], 0.0, frames, values);
             *batch += 1;
         }

@@ -1,0 +1,159 @@
+//! Loads on many nodes that are evaluated together, as functions of time, positions and velocities.
+
+use std::fmt::Debug;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::element::Nodal;
+use crate::{Mat3, Vec3};
+
+/// Increment of a difference quotient over the size of the model: the square root of round-off, 2⁻²⁶.
+const DIFFERENCE: f64 = 1.490_116_119_384_765_6e-8;
+
+/// Quantities of which the forces of a [`FieldLoad`] are functions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Dependence {
+    /// Time (load factor) alone.
+    Time,
+    /// Time and positions.
+    Positions,
+    /// Time, positions and velocities.
+    Velocities,
+}
+
+/// Evaluation point of a [`FieldLoad`].
+#[derive(Debug, Clone, Copy)]
+pub struct LoadPoint<'a> {
+    /// Time; in static analyses and on paths the load factor.
+    pub time: f64,
+    /// Positions of the nodes (length).
+    pub positions: &'a [Vec3],
+    /// Velocities of the nodes (length/time); zero in static analyses.
+    pub velocities: &'a [Vec3],
+    /// Size of the model (length).
+    pub length: f64,
+}
+
+/// Load on the positions of many nodes as a function of time and motion, evaluated for all nodes in one call: wind on a
+/// roof, a bed of springs, dampers, a controller. A caller hands it to
+/// [`Compiler::add_field_load`](crate::compile::Compiler::add_field_load).
+///
+/// Analyses evaluate it several times in each step, and again where a step is repeated: it is a pure function of its arguments.
+pub trait FieldLoad: Debug + Send + Sync {
+    /// Arguments on which the forces depend.
+    fn dependence(&self) -> Dependence;
+    /// Writes the force on each node (force). A force that cannot be evaluated is NaN, and the step fails; an [`Observer`](crate::analysis::Observer) that is
+    /// `interrupted` then ends the analysis at once.
+    fn forces(&self, at: &LoadPoint, out: &mut [Nodal]);
+    /// Writes the blocks `−(w ∂f_a/∂x_a + r ∂f_a/∂v_a)` of each node a [force/length] for the weights `[w, r]` of positions and velocities. A block need not be symmetric. Forces that
+    /// depend on the motion of other nodes, too, converge more slowly.
+    ///
+    /// The blocks are differences of the forces over increments of 1.5e-8 times the size of the model: three evaluations more.
+    fn stiffness(&self, at: &LoadPoint, weights: [f64; 2], out: &mut [Mat3]) {
+        stiffness_by_differences(self, at, weights, out);
+    }
+}
+
+/// Blocks of [`FieldLoad::stiffness`] as differences of the forces.
+pub fn stiffness_by_differences<L: FieldLoad + ?Sized>(
+    load: &L,
+    at: &LoadPoint,
+    weights: [f64; 2],
+    out: &mut [Mat3],
+) {
+    let n = at.positions.len();
+    let (mut before, mut behind) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+    load.forces(at, &mut before);
+    for axis in 0..3 {
+        let moved = |values: &[Vec3], weight: f64| -> Vec<Vec3> {
+            values.iter().map(|x| x + Vec3::ith(axis, weight * DIFFERENCE * at.length)).collect()
+        };
+        let (positions, velocities) = (moved(at.positions, weights[0]), moved(at.velocities, weights[1]));
+        let next = LoadPoint { positions: &positions, velocities: &velocities, ..*at };
+        load.forces(&next, &mut behind);
+        for ((block, before), behind) in out.iter_mut().zip(&before).zip(&behind) {
+            let change = Vec3::from(*before) - Vec3::from(*behind);
+            block.set_column(axis, &(change / (DIFFERENCE * at.length)));
+        }
+    }
+}
+
+/// [`FieldLoad`] on nodal vectors, with the values of its last evaluation.
+#[derive(Debug)]
+pub struct LoadOnNodes {
+    vectors: Vec<u32>,
+    load: Arc<dyn FieldLoad>,
+    last: Mutex<Last>,
+}
+
+/// Evaluation point of the last evaluation, and what was found there.
+#[derive(Debug, Clone, Default)]
+struct Last {
+    time: f64,
+    motion: [Vec<Vec3>; 2],
+    forces: Vec<Nodal>,
+    stiffness: Option<([f64; 2], Vec<Mat3>)>,
+}
+
+impl LoadOnNodes {
+    /// Load on the positions of nodes or bodies, by their nodal vectors.
+    pub fn new(vectors: Vec<u32>, load: Arc<dyn FieldLoad>) -> Self {
+        Self { vectors, load, last: Mutex::default() }
+    }
+
+    /// Nodal vectors on which the load acts.
+    pub fn vectors(&self) -> &[u32] {
+        &self.vectors
+    }
+
+    /// Arguments on which the forces depend.
+    pub fn dependence(&self) -> Dependence {
+        self.load.dependence()
+    }
+
+    /// Forgets the last evaluation.
+    pub fn forget(&self) {
+        self.put(Last::default());
+    }
+
+    /// Forces on the nodal vectors.
+    pub fn forces(&self, time: f64, motion: [Vec<Vec3>; 2], length: f64) -> Vec<Nodal> {
+        self.at(time, motion, length).forces
+    }
+
+    /// Blocks of [`FieldLoad::stiffness`].
+    pub fn stiffness(&self, time: f64, motion: [Vec<Vec3>; 2], length: f64, weights: [f64; 2]) -> Vec<Mat3> {
+        let zero = vec![Mat3::zeros(); self.vectors.len()];
+        if self.dependence() == Dependence::Time {
+            return zero;
+        }
+        let mut last = self.at(time, motion, length);
+        if let Some((_, known)) = last.stiffness.take_if(|(of, _)| *of == weights) {
+            return known;
+        }
+        let [positions, velocities] = &last.motion;
+        let at = LoadPoint { time, positions, velocities, length };
+        let mut found = zero;
+        self.load.stiffness(&at, weights, &mut found);
+        self.put(Last { stiffness: Some((weights, found.clone())), ..last });
+        found
+    }
+
+    /// Last evaluation, or a new one where it was elsewhere.
+    fn at(&self, time: f64, motion: [Vec<Vec3>; 2], length: f64) -> Last {
+        // The lock is not held while the load is evaluated, which may take other locks.
+        let last = self.last.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        if !last.forces.is_empty() && last.time == time && last.motion == motion {
+            return last;
+        }
+        let mut forces = vec![[0.0; 3]; self.vectors.len()];
+        let [positions, velocities] = &motion;
+        self.load.forces(&LoadPoint { time, positions, velocities, length }, &mut forces);
+        let found = Last { time, motion, forces, stiffness: None };
+        self.put(found.clone());
+        found
+    }
+
+    fn put(&self, last: Last) {
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = last;
+    }
+}
