@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use tegula::Result;
 use tegula::analysis::modal::{self, ModalOutcome, Mode};
 use tegula::analysis::{Observer, State};
-use tegula::compile::Compiler;
 use tegula::model::{Analysis, Load, ModalAnalysis};
 
 use super::pictures::with_unit;
@@ -54,7 +53,7 @@ pub(super) fn run(
                 load.velocity = speed;
             }
         }
-        let system = Compiler::new(&model, &prepared.mesh)?.system(0, None)?;
+        let system = prepared.own.compiler(&model, &prepared.mesh)?.system(0, None)?;
         let state = modal::prestress(&system, observer)?.state;
         let outcome = modal::run(&system, analysis.modes as usize, Some(&state), observer)?;
         out.rows.extend(outcome.modes.iter().enumerate().map(|(i, mode)| frequency(speed, i + 1, mode)));

@@ -35,6 +35,7 @@ mod frames;
 mod history;
 mod modal;
 mod modes;
+mod own_parts;
 mod pictures;
 mod prepare;
 pub mod process;
@@ -59,9 +60,10 @@ pub use fields::{directors, nodal, positions};
 pub use folder::{Claim, ResultFolder};
 pub use forces::{AccelerationResult, BalanceResult, ForceResult};
 pub use history::HistoryRows;
-pub use prepare::{Prepared, fingerprint_of, prepare};
+pub use own_parts::{OwnLoad, OwnParts};
+pub use prepare::{Prepared, fingerprint_of, prepare, prepare_with};
 pub use recorder::IMBALANCE;
-pub use run::run;
+pub use run::{run, run_with};
 pub use summary::{
     BranchResult, CriticalResult, Energy, PointResult, Status, StepSummary, StopResult, Summary,
 };

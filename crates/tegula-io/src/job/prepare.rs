@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use tegula::analysis::{Observer, Step};
 use tegula::compile::{
-    Compiler, StepModel, check, define_sets, imperfect_mesh, soft_folds, warnings, warnings_before_start,
+    StepModel, check, define_sets, imperfect_mesh, soft_folds, warnings, warnings_before_start,
 };
 use tegula::mesh::generators;
 use tegula::model::{
@@ -14,7 +14,7 @@ use tegula::model::{
 use tegula::result::Probe;
 use tegula::{Error, Issue, Mesh, Model, System};
 
-use super::{JobError, bodies, forces, history};
+use super::{JobError, OwnParts, bodies, forces, history};
 use crate::deck::{Deck, Diagnostic};
 use crate::memory;
 use crate::mesh::{self, FileMesh, node_table, stl};
@@ -34,6 +34,8 @@ pub struct Prepared {
     pub warnings: Vec<Diagnostic>,
     /// Fingerprint of the model file, of its mesh file, and of the files of surfaces and imperfections.
     pub fingerprint: u64,
+    /// Loads and material laws of the caller.
+    pub own: Arc<OwnParts>,
 }
 
 /// Reads or generates the mesh and compiles the model.
@@ -41,6 +43,14 @@ pub struct Prepared {
 /// # Errors
 /// Everything that is wrong with the model, at its places in the file.
 pub fn prepare(deck: &Deck) -> Result<Prepared, JobError> {
+    prepare_with(deck, Arc::default())
+}
+
+/// Reads or generates the mesh and compiles the model with loads and material laws of the caller.
+///
+/// # Errors
+/// Everything that is wrong with the model, at its places in the file.
+pub fn prepare_with(deck: &Deck, own: Arc<OwnParts>) -> Result<Prepared, JobError> {
     let located = |issues: Vec<Issue>| JobError::Model(deck.locate(&issues));
     if let Some(issue) = memory::too_large(&deck.model, memory::limit()) {
         return Err(located(vec![issue]));
@@ -55,17 +65,17 @@ pub fn prepare(deck: &Deck) -> Result<Prepared, JobError> {
         issues.extend(check::keys(&model));
         return Err(located(issues));
     };
-    let fingerprint = surfaces.into_iter().chain(displaced).fold(fingerprint, combined);
+    let fingerprint = own.fingerprint(surfaces.into_iter().chain(displaced).fold(fingerprint, combined));
     let mut of_imperfections = Warnings::default();
     let mesh = match imperfect_mesh(&model, &mesh, &mut of_imperfections) {
         Ok(imperfect) => imperfect.unwrap_or(mesh),
         Err(error) => return Err(located(imperfections_failed(error))),
     };
-    match compiled(&model, &mesh) {
+    match compiled(&model, &mesh, &own) {
         Ok((system, probes, warnings)) => {
             let warnings = deck.locate(&[deck.warnings.clone(), of_imperfections.0, warnings].concat());
             let (model, mesh) = (Arc::new(model), Arc::new(mesh));
-            Ok(Prepared { model, mesh, system, probes, warnings, fingerprint })
+            Ok(Prepared { model, mesh, system, probes, warnings, fingerprint, own })
         }
         Err(error) => Err(located(issues_of(error))),
     }
@@ -99,8 +109,8 @@ fn imperfections_failed(error: Error) -> Vec<Issue> {
 
 /// System of the first analysis step, recorded points, and warnings. The systems of all later steps are made, too, so
 /// that their mistakes show before anything is computed.
-fn compiled(model: &Model, mesh: &Mesh) -> tegula::Result<(System, Vec<Probe>, Vec<Issue>)> {
-    let compiler = Compiler::new(model, mesh)?;
+fn compiled(model: &Model, mesh: &Mesh, own: &OwnParts) -> tegula::Result<(System, Vec<Probe>, Vec<Issue>)> {
+    let compiler = own.compiler(model, mesh)?;
     let first = compiler.system(0, None)?;
     let probes = Probe::all(&model.output.points, mesh, &first)?;
     let mut issues = Vec::new();

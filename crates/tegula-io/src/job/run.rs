@@ -1,5 +1,7 @@
 //! Run of one model: from the model file to the summary.
 
+use std::sync::Arc;
+
 use tegula::analysis::{Observer, State, Stopped, dynamics, path, statics};
 use tegula::model::Analysis;
 use tegula::{Error, System};
@@ -8,8 +10,8 @@ use super::recorder::Recorder;
 use super::resume::CheckpointData;
 use super::summary::StopResult;
 use super::{
-    AssemblyResult, Claim, Energy, JobError, JobObserver, JobOptions, Prepared, ResultFolder, Start, Status,
-    Summary, branches, buckling, modal, pictures, prepare, steps,
+    AssemblyResult, Claim, Energy, JobError, JobObserver, JobOptions, OwnParts, Prepared, ResultFolder,
+    Start, Status, Summary, branches, buckling, modal, pictures, prepare_with, steps,
 };
 use crate::deck::{Deck, Diagnostic};
 use crate::out::OutputError;
@@ -20,10 +22,23 @@ use crate::out::OutputError;
 /// The model is wrong, the folder cannot be used, the analysis failed or was interrupted. In the last
 /// two cases the folder holds everything up to the last finished step.
 pub fn run(deck: &Deck, options: &JobOptions, watch: &mut dyn JobObserver) -> Result<Summary, JobError> {
+    run_with(deck, Arc::default(), options, watch)
+}
+
+/// [`run`] with loads and material laws of the caller. A run is resumed with the parts of the same names, which are to be the same.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_with(
+    deck: &Deck,
+    own: Arc<OwnParts>,
+    options: &JobOptions,
+    watch: &mut dyn JobObserver,
+) -> Result<Summary, JobError> {
     if options.resume {
         ResultFolder::refuse_branch(&options.folder)?;
     }
-    let prepared = prepare(deck)?;
+    let prepared = prepare_with(deck, own)?;
     if deck.model.steps.is_empty() {
         run_prepared(deck, &prepared, options, watch)
     } else {

@@ -26,7 +26,9 @@ pub(super) fn run(
         watch.on_warning("the run in this folder is complete: there is nothing to resume, and its results stay as they are");
         return Ok(done);
     }
-    let compiler = Compiler::new(&prepared.model, &prepared.mesh)
+    let compiler = prepared
+        .own
+        .compiler(&prepared.model, &prepared.mesh)
         .map_err(|error| model_error(deck, &options.folder, error))?;
     for listed in compiler.steps().iter().enumerate().map(|(i, step)| listed(i, step)) {
         ResultFolder::refuse_foreign(&options.folder.join(listed.folder))?;
@@ -91,6 +93,7 @@ impl Whole {
                     [prepared.fingerprint.to_le_bytes(), (i as u64).to_le_bytes()].concat(),
                 ),
                 system,
+                own: prepared.own.clone(),
             };
             let title = titled(&deck.model.title, &format!("step {} of {count}, {}", i + 1, step.name));
             let model = tegula::Model { title, ..step.model.clone() };
