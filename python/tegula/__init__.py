@@ -24,20 +24,25 @@ from ._equations import Equations, State
 from ._errors import AnalysisError, Diagnostic, ModelError, ModelWarning, OutputError, TegulaError
 from ._mesh import from_meshio, from_pyvista
 from ._model import Model, run
+from ._own import ElasticLaw, NodalForce
 from ._progress import Progress
-from ._result import Frame, Result, StateSpace, Table
+from ._result import FieldArrays, Fields, Frame, Result, StateSpace, Table
 from ._simulation import Energies, Simulation, Statistics
 from ._tegula import VERSION as __version__
 
 __all__ = [
     "AnalysisError",
     "Diagnostic",
+    "ElasticLaw",
     "Energies",
     "Equations",
+    "FieldArrays",
+    "Fields",
     "Frame",
     "Model",
     "ModelError",
     "ModelWarning",
+    "NodalForce",
     "OutputError",
     "Progress",
     "Result",

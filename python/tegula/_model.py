@@ -12,6 +12,7 @@ from typing import Any
 from ._equations import Equations, State, compiled, equations_of
 from ._errors import AnalysisError, OutputError, TegulaError, warn
 from ._folder import TemporaryFolder
+from ._own import Materials, NodalForce, own_parts
 from ._process import use_threads
 from ._progress import Bar, Progress
 from ._result import MOST_IN_NOTEBOOK, Result, framed
@@ -103,6 +104,8 @@ class Model:
         resume: bool = False,
         force: bool = False,
         progress: Callable[[Progress], object] | bool | None = None,
+        loads: Iterable[NodalForce] = (),
+        materials: Materials | None = None,
         _stacklevel: int = 2,
     ) -> Result:
         """Runs the model, as `tegula run` does.
@@ -114,10 +117,14 @@ class Model:
         where `out` is given the run can be resumed. Outside Python's main thread it is called in a thread of the computation.
         Modal and buckling analyses have no steps, and so no progress.
 
+        `loads` are forces that are functions, and `materials` has laws that are functions by the names of the materials that they replace, each
+        an `ElasticLaw` or its function. They act in all of the `[[steps]]`. An exception in one ends the run, which raises it; a run that is resumed takes the same ones.
+
         Warnings of the run are `ModelWarning`s at its end. Other threads of Python run meanwhile. Ctrl-C ends the run after the step with `KeyboardInterrupt`. Raises
         `ModelError`, `AnalysisError`, `OutputError`.
         """
         use_threads()
+        own = own_parts(loads, materials)
         temporary = None
         if out is not None and not fspath(out):
             raise ValueError("the result folder `out` is an empty text; leave it out for a temporary folder")
@@ -128,7 +135,7 @@ class Model:
             out = temporary.path / "result"
         try:
             with _reported(progress, self._deck.parameter) as report:
-                found = self._deck.run(fspath(out), resume, force, report)
+                found = self._deck.run(fspath(out), resume, force, report, own)
         except AnalysisError as error:
             with contextlib.suppress(OutputError):
                 error.result = Result(out, _keep=temporary)
@@ -140,7 +147,14 @@ class Model:
         warn(found, _stacklevel)
         return Result(out, _keep=temporary)
 
-    def simulation(self, *, signals: Iterable[str] = (), start: State | None = None) -> Simulation:
+    def simulation(
+        self,
+        *,
+        signals: Iterable[str] = (),
+        start: State | None = None,
+        loads: Iterable[NodalForce] = (),
+        materials: Materials | None = None,
+    ) -> Simulation:
         """Begins the static, path or transient analysis of the model, to be advanced step by step.
 
         `signals` names amplitudes whose values are set between the steps: loads, motions and drives that follow such an
@@ -149,7 +163,7 @@ class Model:
 
         `start` is a state that another simulation has reached, of the same model or of one with other loads or another end, from
         which this one continues: of the same model to the last bit (on paths up to round-off). Both have the same kind of analysis with
-        the same scheme. Signals are to be set again.
+        the same scheme. Signals are to be set again, and `loads` and `materials`, as those of `run`, to be given again.
 
         Raises `ModelError` where the model is wrong, `KeyError` for an unknown amplitude, `ValueError` for analyses without
         steps and states of other models.
@@ -157,19 +171,20 @@ class Model:
         use_threads()
         if isinstance(signals, str):
             signals = [signals]
-        steps = self._deck.steps(list(signals), None if start is None else compiled(start))
+        own = own_parts(loads, materials)
+        steps = self._deck.steps(list(signals), None if start is None else compiled(start), own)
         warn(steps.warnings(), 2)
         return Simulation(steps)
 
-    def equations(self) -> Equations:
+    def equations(self, *, loads: Iterable[NodalForce] = (), materials: Materials | None = None) -> Equations:
         """Equations of motion of the model: residual, tangent stiffness, mass matrix and constraints as functions of a state.
 
-        Of a model with `[[steps]]` they are those of the first one. Those of a simulation, with its signals, are `Simulation.equations`.
+        `loads` and `materials` are functions, as those of `run`. Of a model with `[[steps]]` they are those of the first one. Those of a simulation, with its signals, are `Simulation.equations`.
 
         Raises `ModelError` where the model is wrong.
         """
         use_threads()
-        return equations_of(self._deck.equations(), 2)
+        return equations_of(self._deck.equations(own_parts(loads, materials)), 2)
 
     def report(self, path: str | PathLike[str]) -> Path:
         """Writes a report of the model: one HTML file for a browser, without network, with mesh, supports, loads and sets.
@@ -223,10 +238,14 @@ def run(
     resume: bool = False,
     force: bool = False,
     progress: Callable[[Progress], object] | bool | None = None,
+    loads: Iterable[NodalForce] = (),
+    materials: Materials | None = None,
 ) -> Result:
     """Runs a model file, a dictionary or a `Model`; see `Model.run`."""
     if isinstance(model, dict):
         model = Model(model)
     elif not isinstance(model, Model):
         model = Model.read(model)
-    return model.run(out, resume=resume, force=force, progress=progress, _stacklevel=3)
+    return model.run(
+        out, resume=resume, force=force, progress=progress, loads=loads, materials=materials, _stacklevel=3
+    )

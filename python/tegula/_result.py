@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ._errors import OutputError
 from ._folder import TemporaryFolder
-from ._tegula import read_table, report_page, write_report
+from ._tegula import FieldFile, read_table, report_page, write_report
 
 MOST_IN_NOTEBOOK = 8_000_000
 """Characters of a report in a notebook, which keeps a copy of it."""
@@ -30,6 +30,46 @@ def framed(page: str) -> str:
     )
 
 
+class FieldArrays(Mapping[str, NDArray[np.float64]]):
+    """Fields on points or cells by their names, each an array n, or n × c for fields with c components, which is read from the file when it is asked for."""
+
+    __slots__ = ("_file", "_names", "_on_cells")
+
+    def __init__(self, file: FieldFile, on_cells: bool) -> None:
+        self._file = file
+        self._on_cells = on_cells
+        self._names = file.names()[on_cells]
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        if name not in self._names:
+            raise KeyError(f"there is no field {name!r}; there are: {', '.join(self._names)}")
+        return self._file.values(self._on_cells, name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __repr__(self) -> str:
+        return f"<fields {', '.join(self._names)}>"
+
+
+class Fields(NamedTuple):
+    """Grid of one instant, with its fields."""
+
+    points: NDArray[np.float64]
+    """Positions of the points (length) in the reference configuration, n × 3."""
+    quads: NDArray[np.uint32]
+    """Quadrilaterals by the numbers of their points, m × 4; of a triangle the last one stands twice."""
+    lines: NDArray[np.uint32]
+    """Lines by the numbers of their points, l × 2; cells are the quadrilaterals and behind them the lines."""
+    point_data: FieldArrays
+    """Fields on the points."""
+    cell_data: FieldArrays
+    """Fields on the cells."""
+
+
 @dataclass(frozen=True)
 class Frame:
     """A file with the fields of one instant."""
@@ -39,6 +79,16 @@ class Frame:
     path: Path
     """The VTU file."""
     _keep: TemporaryFolder | None = field(default=None, repr=False, compare=False)
+
+    def read(self) -> Fields:
+        """The grid with its fields as arrays; needs no other package.
+
+        Raises:
+            OutputError: the file cannot be read.
+        """
+        file = FieldFile.open(self.path)
+        quads, lines = file.cells()
+        return Fields(file.points(), quads, lines, FieldArrays(file, False), FieldArrays(file, True))
 
     def to_meshio(self) -> Any:
         """The mesh with its fields as a `meshio.Mesh`; needs the package meshio."""

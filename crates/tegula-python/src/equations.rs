@@ -16,6 +16,7 @@ use tegula_io::job::Prepared;
 
 use crate::failure;
 use crate::matrices::{Arrays, Compressed};
+use crate::own::Raised;
 use crate::state::{State, finite, rows, vector};
 use crate::threads::compute;
 
@@ -26,14 +27,16 @@ type Entries<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound
 #[pyclass(frozen, module = "tegula._tegula")]
 pub struct Equations {
     prepared: Arc<Prepared>,
+    /// Exception of a load or law of the caller.
+    raised: Raised,
     /// Threads for callers other than the main thread.
     pool: OnceLock<ThreadPool>,
 }
 
 impl Equations {
-    /// Equations of a prepared model.
-    pub fn new(prepared: Arc<Prepared>) -> Self {
-        Self { prepared, pool: OnceLock::new() }
+    /// Equations of a prepared model, and the exception of its loads and laws.
+    pub fn new(prepared: Arc<Prepared>, raised: Raised) -> Self {
+        Self { prepared, raised, pool: OnceLock::new() }
     }
 
     fn system(&self) -> &System {
@@ -49,7 +52,11 @@ impl Equations {
     ) -> PyResult<T> {
         let system = self.system();
         let state = state.get().of(system)?;
-        compute(py, &self.pool, || evaluate(system, state))
+        // Functions may read values that have changed since the last evaluation.
+        system.forget_field_loads();
+        let found = compute(py, &self.pool, || evaluate(system, state));
+        self.raised.check()?;
+        found
     }
 
     /// Symmetric matrix of the free degrees of freedom with these values of its lower triangle.

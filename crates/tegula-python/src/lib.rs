@@ -5,6 +5,7 @@ mod equations;
 mod failure;
 mod matrices;
 mod model;
+mod own;
 mod report;
 mod simulation;
 mod state;
@@ -18,7 +19,9 @@ mod _tegula {
     #[pymodule_export]
     use super::model::Deck;
     #[pymodule_export]
-    use super::report::{read_table, report_page, write_report};
+    use super::own::Own;
+    #[pymodule_export]
+    use super::report::{FieldFile, read_table, report_page, write_report};
     #[pymodule_export]
     use super::simulation::Steps;
     #[pymodule_export]

@@ -70,18 +70,19 @@ impl Compressed {
     pub fn into_arrays(self, py: Python<'_>) -> Arrays<'_> {
         let Self { pointers, numbers, values } = self;
         let (pointers, numbers) = if i32::try_from(numbers.len().max(pointers.len())).is_ok() {
-            (integers(py, &pointers, |p| *p as i32), integers(py, &numbers, |r| *r as i32))
+            (integers(py, pointers, |p| p as i32), integers(py, numbers, |r| r as i32))
         } else {
-            (integers(py, &pointers, |p| *p as i64), integers(py, &numbers, |r| i64::from(*r)))
+            (integers(py, pointers, |p| p as i64), integers(py, numbers, i64::from))
         };
         (pointers, numbers, values.into_pyarray(py))
     }
 }
 
+/// Array of integers; where both types have the same size the conversion reuses the memory of the list.
 fn integers<'py, T, I: numpy::Element>(
     py: Python<'py>,
-    values: &[T],
-    integer: impl Fn(&T) -> I,
+    values: Vec<T>,
+    integer: impl Fn(T) -> I,
 ) -> Bound<'py, PyAny> {
-    values.iter().map(integer).collect::<Vec<_>>().into_pyarray(py).into_any()
+    values.into_iter().map(integer).collect::<Vec<_>>().into_pyarray(py).into_any()
 }

@@ -12,6 +12,7 @@ use tegula_io::job::{self, JobError, JobOptions};
 use tegula_io::report::{self, Report};
 
 use crate::equations::Equations;
+use crate::own::Own;
 use crate::simulation::Steps;
 use crate::state::State;
 use crate::threads::compute;
@@ -103,10 +104,12 @@ impl Deck {
         resume: bool,
         force: bool,
         progress: Option<Py<PyAny>>,
+        own: &Bound<'_, Own>,
     ) -> PyResult<Vec<String>> {
         let options = JobOptions { folder, resume, force };
-        let mut watch = Watch::new(progress);
-        let outcome = compute(py, &OnceLock::new(), || job::run(&self.0, &options, &mut watch))?;
+        let (own, raised) = own.get().parts(py);
+        let mut watch = Watch::new(progress, raised);
+        let outcome = compute(py, &OnceLock::new(), || job::run_with(&self.0, own, &options, &mut watch))?;
         let (warnings, raised) = watch.end();
         match (outcome, raised) {
             (Err(error @ JobError::Interrupted { .. }), Some(raised))
@@ -120,21 +123,29 @@ impl Deck {
     }
 
     /// The analysis of the model, step by step, from its beginning or from a state. The amplitudes named become signals.
-    #[pyo3(signature = (signals, start))]
+    #[pyo3(signature = (signals, start, own))]
     fn steps(
         &self,
         py: Python<'_>,
         signals: Vec<String>,
         start: Option<&Bound<'_, State>>,
+        own: &Bound<'_, Own>,
     ) -> PyResult<Steps> {
         let start = start.map(|state| state.get());
-        compute(py, &OnceLock::new(), || Steps::new(&self.0, &signals, start))?
+        let (own, raised) = own.get().parts(py);
+        let begin = || Steps::new(&self.0, (&signals, start), (own, raised.clone()));
+        let made = compute(py, &OnceLock::new(), begin)?;
+        raised.check()?;
+        made
     }
 
     /// The equations of motion of the model, and warnings about it.
-    fn equations(&self, py: Python<'_>) -> PyResult<(Equations, Vec<String>)> {
-        let prepared = compute(py, &OnceLock::new(), || job::prepare(&self.0))?.map_err(failure::of_run)?;
+    fn equations(&self, py: Python<'_>, own: &Bound<'_, Own>) -> PyResult<(Equations, Vec<String>)> {
+        let (own, raised) = own.get().parts(py);
+        let prepared = compute(py, &OnceLock::new(), || job::prepare_with(&self.0, own))?;
+        raised.check()?;
+        let prepared = prepared.map_err(failure::of_run)?;
         let warnings = prepared.warnings.iter().map(ToString::to_string).collect();
-        Ok((Equations::new(Arc::new(prepared)), warnings))
+        Ok((Equations::new(Arc::new(prepared), raised), warnings))
     }
 }

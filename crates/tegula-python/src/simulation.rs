@@ -14,10 +14,11 @@ use tegula::analysis::{Observer, Silent, State, Step, Stepper, dynamics, path, s
 use tegula::load::Signal;
 use tegula::model::{Analysis, Scheme, TransientAnalysis};
 use tegula_io::deck::Deck;
-use tegula_io::job::{self, HistoryRows, Prepared};
+use tegula_io::job::{self, HistoryRows, OwnParts, Prepared};
 
 use crate::equations::Equations;
 use crate::failure;
+use crate::own::Raised;
 use crate::state::{self, rows};
 use crate::threads::compute;
 
@@ -57,6 +58,8 @@ pub struct Steps {
     analysed: Mutex<Analysed>,
     columns: Vec<String>,
     warnings: Vec<String>,
+    /// Exception of a load or law of the caller.
+    raised: Raised,
     /// Threads for callers other than the main thread.
     pool: OnceLock<ThreadPool>,
 }
@@ -66,8 +69,12 @@ impl Steps {
     ///
     /// # Errors
     /// The model is wrong, its analysis has no steps or several parts, it has no such amplitude, or the state is not one of it.
-    pub fn new(deck: &Deck, signals: &[String], start: Option<&state::State>) -> PyResult<Self> {
-        let mut prepared = job::prepare(deck).map_err(failure::of_run)?;
+    pub fn new(
+        deck: &Deck,
+        (signals, start): (&[String], Option<&state::State>),
+        (own, raised): (Arc<OwnParts>, Raised),
+    ) -> PyResult<Self> {
+        let mut prepared = job::prepare_with(deck, own).map_err(failure::of_run)?;
         if !prepared.model.steps.is_empty() {
             return Err(PyValueError::new_err(
                 "a model with `[[steps]]` is run as a whole: use run(), or give it an `[analysis]` of its own",
@@ -102,9 +109,9 @@ impl Steps {
             applied: given.values().map(Signal::value).collect(),
             signals: given,
             again_to: None,
-            warned: Warned::default(),
+            warned: Warned { messages: Vec::new(), raised: raised.clone() },
         };
-        Ok(Self { analysed: Mutex::new(analysed), columns, warnings, pool: OnceLock::new() })
+        Ok(Self { analysed: Mutex::new(analysed), columns, warnings, raised, pool: OnceLock::new() })
     }
 
     fn lock(&self, py: Python<'_>) -> MutexGuard<'_, Analysed> {
@@ -162,9 +169,11 @@ fn takes_a_signal(system: &System, amplitude: &str) -> PyResult<()> {
     Ok(())
 }
 
-/// Observer that keeps warnings.
-#[derive(Default)]
-struct Warned(Vec<String>);
+/// Observer that keeps warnings, and interrupts a step in which a load or law has raised an exception.
+struct Warned {
+    messages: Vec<String>,
+    raised: Raised,
+}
 
 impl Observer for Warned {
     fn on_step(&mut self, _step: &Step) -> tegula::Result<()> {
@@ -174,7 +183,11 @@ impl Observer for Warned {
     fn on_event(&mut self, _message: &str) {}
 
     fn on_warning(&mut self, message: &str) {
-        self.0.push(message.to_owned());
+        self.messages.push(message.to_owned());
+    }
+
+    fn interrupted(&self) -> bool {
+        self.raised.is_set()
     }
 }
 
@@ -197,11 +210,13 @@ fn begun(prepared: &Prepared, start: Option<State>) -> PyResult<Borrowed<'_>> {
 impl Analysed {
     fn advance(&mut self) -> PyResult<()> {
         let Self { running, before, start, iterations, signals, applied, again_to, warned, .. } = self;
-        running.with_dependent_mut(|_, stepper| {
+        running.with_dependent_mut(|prepared, stepper| {
             if stepper.is_finished() {
                 return Err(PyValueError::new_err("the analysis has come to its end"));
             }
             start.clone_from(stepper.state());
+            // Functions may read values that have changed since the last step.
+            prepared.system.forget_field_loads();
             match stepper.advance(warned) {
                 Ok(number) => *iterations = number,
                 Err(error) => {
@@ -278,9 +293,10 @@ impl Steps {
             let mut guard = self.lock(py);
             let analysed = &mut *guard;
             let outcome = compute(py, &self.pool, || analysed.advance())?;
-            let warned = std::mem::take(&mut analysed.warned.0);
+            let warned = std::mem::take(&mut analysed.warned.messages);
             drop(guard);
             warnings.extend(warned);
+            let outcome = self.raised.check().and(outcome);
             // The exception takes the warnings along.
             outcome.inspect_err(|error| {
                 for warning in &warnings {
@@ -333,7 +349,7 @@ impl Steps {
 
     /// The equations of motion of the model, with the present values of the signals.
     fn equations(&self, py: Python<'_>) -> Equations {
-        Equations::new(self.lock(py).running.borrow_owner().clone())
+        Equations::new(self.lock(py).running.borrow_owner().clone(), self.raised.clone())
     }
 
     /// Names of the columns of a row.
@@ -345,7 +361,9 @@ impl Steps {
     fn row<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let mut guard = self.lock(py);
         let analysed = &mut *guard;
-        Ok(compute(py, &self.pool, || analysed.row())??.into_pyarray(py))
+        let row = compute(py, &self.pool, || analysed.row())?;
+        self.raised.check()?;
+        Ok(row?.into_pyarray(py))
     }
 
     /// Time (load factor), and that at which the analysis ends.
@@ -376,7 +394,7 @@ impl Steps {
 
     /// Nodes of a set of the mesh.
     fn nodes_on<'py>(&self, py: Python<'py>, set: &str) -> PyResult<Bound<'py, PyArray1<u32>>> {
-        let nodes = self.read(py, |prepared, _| prepared.mesh.nodes_on(set).map(|nodes| nodes.to_vec()));
+        let nodes = self.read(py, |prepared, _| prepared.mesh.nodes_on(set));
         let nodes = nodes.ok_or_else(|| PyKeyError::new_err(format!("the mesh has no set \"{set}\"")))?;
         Ok(nodes.into_pyarray(py))
     }

@@ -1,35 +1,28 @@
 //! Observer of a run that calls Python.
 
-use std::sync::Mutex;
-
 use pyo3::prelude::*;
 use tegula_io::job::{JobObserver, Progress};
 
+use crate::own::Raised;
+
 /// Observer that reports steps to Python, asks it for Ctrl-C, and keeps warnings.
-#[derive(Default)]
 pub struct Watch {
     /// Called with step, time, end time, step size and iterations after each step.
     progress: Option<Py<PyAny>>,
     warnings: Vec<String>,
     /// Exception of a call, which ends the run.
-    raised: Mutex<Option<PyErr>>,
+    raised: Raised,
 }
 
 impl Watch {
-    /// Observer with a function for the progress.
-    pub fn new(progress: Option<Py<PyAny>>) -> Self {
-        Self { progress, ..Self::default() }
+    /// Observer with a function for the progress, and the exception of loads and laws.
+    pub fn new(progress: Option<Py<PyAny>>, raised: Raised) -> Self {
+        Self { progress, warnings: Vec::new(), raised }
     }
 
     /// Warnings, and the exception of a call or of Ctrl-C, if there was one.
     pub fn end(self) -> (Vec<String>, Option<PyErr>) {
-        (self.warnings, self.raised.into_inner().ok().flatten())
-    }
-
-    fn keep(&self, result: PyResult<()>) {
-        if let (Err(error), Ok(mut raised)) = (result, self.raised.lock()) {
-            raised.get_or_insert(error);
-        }
+        (self.warnings, self.raised.take())
     }
 }
 
@@ -39,7 +32,7 @@ impl JobObserver for Watch {
         let Progress { step, time, end, step_size, iterations } = *progress;
         let result =
             Python::attach(|py| function.call1(py, (step, time, end, step_size, iterations)).map(|_| ()));
-        self.keep(result);
+        self.raised.keep(result);
     }
 
     fn on_warning(&mut self, message: &str) {
@@ -47,10 +40,9 @@ impl JobObserver for Watch {
     }
 
     fn interrupted(&self) -> bool {
-        let raised = || self.raised.lock().is_ok_and(|raised| raised.is_some());
-        if !raised() {
-            self.keep(Python::attach(|py| py.check_signals()));
+        if !self.raised.is_set() {
+            self.raised.keep(Python::attach(|py| py.check_signals()));
         }
-        raised()
+        self.raised.is_set()
     }
 }

@@ -71,8 +71,10 @@ fn springs_under_the_end_of_a_cantilever_carry_their_share() {
     let options = StaticAnalysis::default();
     let outcome = statics::run(&system, &options, None, &mut Silent).unwrap();
 
-    let tip = mesh.nodes_on("u_max").unwrap()[1];
-    let deflection = outcome.state.u[system.coordinates.position_of[tip as usize] as usize][2];
+    // The springs see the mean of the nodes, whose deflections differ in the last digits.
+    let end = mesh.nodes_on("u_max").unwrap();
+    let of_node = |&n: &u32| outcome.state.u[system.coordinates.position_of[n as usize] as usize][2];
+    let deflection = end.iter().map(of_node).sum::<f64>() / end.len() as f64;
     let beam = 3.0 * YOUNG * 0.1 * THICKNESS.powi(3) / 12.0;
     assert!((deflection * (beam + spring) / force - 1.0).abs() < 5e-3);
     // The reaction of the springs is a load of its own in the balance of forces.

@@ -1,0 +1,350 @@
+//! Loads and material laws that are functions of Python.
+//!
+//! Analyses compute without the interpreter, some of them in threads of a pool. A load or law attaches its thread for a call and holds no
+//! lock meanwhile, so no thread that has the interpreter waits for one that needs it.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use tegula::element::Nodal;
+use tegula::load::{Dependence, FieldLoad, LoadPoint};
+use tegula::material::{MaterialLaw, Response, Strain};
+use tegula::{Mat3, Vec3};
+use tegula_io::job::{OwnLoad, OwnParts};
+
+use crate::state::rows;
+
+/// Exception of a function, which ends an analysis.
+#[derive(Clone, Default)]
+pub struct Raised(Arc<Mutex<Option<PyErr>>>);
+
+impl Raised {
+    /// Keeps the exception of a result, if it is the first one.
+    pub fn keep<T>(&self, result: PyResult<T>) -> Option<T> {
+        match result {
+            Ok(value) => Some(value),
+            Err(error) => {
+                self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+                None
+            }
+        }
+    }
+
+    /// Whether there is an exception.
+    pub fn is_set(&self) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+
+    /// Takes the exception out.
+    pub fn take(&self) -> Option<PyErr> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    /// Fails with the exception, if there is one.
+    ///
+    /// # Errors
+    /// The exception.
+    pub fn check(&self) -> PyResult<()> {
+        self.take().map_or(Ok(()), Err)
+    }
+}
+
+/// Name, set, number of arguments, forces, stiffness and damping of a load.
+type LoadSpec = (String, String, u8, Py<PyAny>, Option<Py<PyAny>>, Option<Py<PyAny>>);
+
+/// Loads and laws that a caller gives to an analysis.
+#[pyclass(frozen, module = "tegula._tegula")]
+pub struct Own {
+    loads: Vec<LoadSpec>,
+    /// Material, function, and whether it is rubber.
+    laws: Vec<(String, Py<PyAny>, bool)>,
+}
+
+#[pymethods]
+impl Own {
+    #[new]
+    fn new(loads: Vec<LoadSpec>, laws: Vec<(String, Py<PyAny>, bool)>) -> Self {
+        Self { loads, laws }
+    }
+}
+
+impl Own {
+    /// Loads and laws for one analysis, and the exception that one of them raises.
+    pub fn parts(&self, py: Python<'_>) -> (Arc<OwnParts>, Raised) {
+        let raised = Raised::default();
+        let copy = |function: &Option<Py<PyAny>>| function.as_ref().map(|function| function.clone_ref(py));
+        let load = |(name, on, arguments, forces, stiffness, damping): &LoadSpec| {
+            let load = PythonLoad {
+                name: name.clone(),
+                dependence: match arguments {
+                    1 => Dependence::Time,
+                    2 => Dependence::Positions,
+                    _ => Dependence::Velocities,
+                },
+                forces: forces.clone_ref(py),
+                stiffness: copy(stiffness),
+                damping: copy(damping),
+                raised: raised.clone(),
+            };
+            OwnLoad { name: name.clone(), on: on.clone(), load: Arc::new(load) }
+        };
+        let law = |(name, function, is_rubber): &(String, Py<PyAny>, bool)| {
+            let law = PythonLaw {
+                name: name.clone(),
+                function: function.clone_ref(py),
+                is_rubber: *is_rubber,
+                raised: raised.clone(),
+            };
+            (name.clone(), Arc::new(law) as Arc<dyn MaterialLaw>)
+        };
+        let laws: BTreeMap<_, _> = self.laws.iter().map(law).collect();
+        let loads = self.loads.iter().map(load).collect();
+        (Arc::new(OwnParts { loads, laws }), raised)
+    }
+}
+
+/// Array that a function has given, whose shape begins with the number of nodes or points.
+struct Given<'py>(PyReadonlyArrayDyn<'py, f64>);
+
+impl<'py> Given<'py> {
+    /// Result of a function as an array of a shape.
+    fn new(what: &str, value: &Bound<'py, PyAny>, shape: &[usize]) -> PyResult<Self> {
+        let py = value.py();
+        let keywords = PyDict::new(py);
+        keywords.set_item("dtype", "float64")?;
+        // Rows one after another, whatever the strides of the caller are.
+        let array = py.import("numpy")?.call_method("ascontiguousarray", (value,), Some(&keywords));
+        let array = array.map_err(|cause| {
+            let kind = value.get_type().name().map_or_else(|_| "object".into(), |name| name.to_string());
+            let error = PyValueError::new_err(format!("{what}: a {kind} is given, and no array of numbers"));
+            error.set_cause(py, Some(cause));
+            error
+        })?;
+        let array: PyReadonlyArrayDyn<'py, f64> = array.extract()?;
+        if array.shape() != shape {
+            let of = |shape: &[usize]| {
+                let sizes: Vec<_> = shape.iter().map(ToString::to_string).collect();
+                if sizes.len() == 1 { format!("({},)", sizes[0]) } else { format!("({})", sizes.join(", ")) }
+            };
+            return Err(PyValueError::new_err(format!(
+                "{what}: the shape is {}, and {} is expected",
+                of(array.shape()),
+                of(shape)
+            )));
+        }
+        Ok(Self(array))
+    }
+
+    fn values(&self) -> PyResult<&[f64]> {
+        Ok(self.0.as_slice()?)
+    }
+
+    /// Values, all of which have to be finite.
+    fn finite(&self, what: &str, each: usize) -> PyResult<&[f64]> {
+        let values = self.values()?;
+        match values.iter().position(|x| !x.is_finite()) {
+            None => Ok(values),
+            Some(at) => Err(PyValueError::new_err(format!(
+                "{what}: row {} has the value {}, which is not a finite number",
+                at / each,
+                values[at]
+            ))),
+        }
+    }
+}
+
+/// Load that is a function of Python, evaluated for all its nodes in one call.
+struct PythonLoad {
+    name: String,
+    dependence: Dependence,
+    forces: Py<PyAny>,
+    stiffness: Option<Py<PyAny>>,
+    damping: Option<Py<PyAny>>,
+    raised: Raised,
+}
+
+impl fmt::Debug for PythonLoad {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("PythonLoad").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+/// Vectors as an array with a row for each.
+fn vectors<'py>(py: Python<'py>, values: &[Vec3]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    rows(py, values.iter().map(|x| (*x).into()).collect())
+}
+
+impl PythonLoad {
+    /// Arguments of a call.
+    fn arguments<'py>(&self, py: Python<'py>, at: &LoadPoint) -> PyResult<Bound<'py, PyTuple>> {
+        match self.dependence {
+            Dependence::Time => (at.time,).into_pyobject(py),
+            Dependence::Positions => (at.time, vectors(py, at.positions)?).into_pyobject(py),
+            Dependence::Velocities => {
+                (at.time, vectors(py, at.positions)?, vectors(py, at.velocities)?).into_pyobject(py)
+            }
+        }
+    }
+
+    fn evaluate(&self, at: &LoadPoint, out: &mut [Nodal]) -> PyResult<()> {
+        Python::attach(|py| {
+            let value = self.forces.bind(py).call1(self.arguments(py, at)?)?;
+            let what = format!("forces of the load \"{}\"", self.name);
+            let given = Given::new(&what, &value, &[out.len(), 3])?;
+            out.as_flattened_mut().copy_from_slice(given.finite(&what, 3)?);
+            Ok(())
+        })
+    }
+
+    /// Adds the blocks of a function, times a weight.
+    fn add_blocks(
+        &self,
+        (function, what, weight): (&Py<PyAny>, &str, f64),
+        at: &LoadPoint,
+        out: &mut [Mat3],
+    ) -> PyResult<()> {
+        Python::attach(|py| {
+            let value = function.bind(py).call1(self.arguments(py, at)?)?;
+            let what = format!("{what} of the load \"{}\"", self.name);
+            let given = Given::new(&what, &value, &[out.len(), 3, 3])?;
+            let blocks = given.finite(&what, 9)?.chunks_exact(9);
+            out.iter_mut().zip(blocks).for_each(|(out, block)| *out += Mat3::from_row_slice(block) * weight);
+            Ok(())
+        })
+    }
+}
+
+impl FieldLoad for PythonLoad {
+    fn dependence(&self) -> Dependence {
+        self.dependence
+    }
+
+    fn forces(&self, at: &LoadPoint, out: &mut [Nodal]) {
+        if self.raised.is_set() || self.raised.keep(self.evaluate(at, out)).is_none() {
+            out.fill([f64::NAN; 3]);
+        }
+    }
+
+    fn stiffness(&self, at: &LoadPoint, weights: [f64; 2], out: &mut [Mat3]) {
+        let Some(stiffness) = &self.stiffness else {
+            return tegula::load::stiffness_by_differences(self, at, weights, out);
+        };
+        out.fill(Mat3::zeros());
+        let parts = [(Some(stiffness), "stiffness"), (self.damping.as_ref(), "damping")];
+        for ((function, what), weight) in parts.into_iter().zip(weights) {
+            let Some(function) = function.filter(|_| weight != 0.0) else { continue };
+            let done = !self.raised.is_set()
+                && self.raised.keep(self.add_blocks((function, what, weight), at, out)).is_some();
+            if !done {
+                return out.fill(Mat3::repeat(f64::NAN));
+            }
+        }
+    }
+}
+
+/// Elastic law that is a function of Python, evaluated for many points in one call.
+struct PythonLaw {
+    name: String,
+    function: Py<PyAny>,
+    is_rubber: bool,
+    raised: Raised,
+}
+
+/// Difference of a tangent from its transpose, and stress without strain, over the largest entry of the tangent.
+const UNSYMMETRIC: f64 = 1e-8;
+
+impl fmt::Debug for PythonLaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("PythonLaw").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+impl PythonLaw {
+    fn evaluate(&self, strains: &[Strain]) -> PyResult<Vec<Option<Response>>> {
+        Python::attach(|py| {
+            let n = strains.len();
+            let values: Vec<f64> = strains.iter().flat_map(|s| s.iter().copied()).collect();
+            let values = values.into_pyarray(py).reshape([n, 6])?;
+            let value = self.function.bind(py).call1((values,))?;
+            let what = |part: &str| format!("{part} of the law of material \"{}\"", self.name);
+            let (energy, stress, tangent): (Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>) =
+                value.extract().map_err(|cause| {
+                    let error = PyValueError::new_err(format!(
+                        "the law of material \"{}\" gives no tuple of energy, stress and tangent",
+                        self.name
+                    ));
+                    error.set_cause(py, Some(cause));
+                    error
+                })?;
+            let energy = Given::new(&what("energy"), &energy, &[n])?;
+            let stress = Given::new(&what("stress"), &stress, &[n, 6])?;
+            let tangent = Given::new(&what("tangent"), &tangent, &[n, 6, 6])?;
+            let parts = energy.values()?.iter().zip(stress.values()?.chunks_exact(6));
+            let parts = parts.zip(tangent.values()?.chunks_exact(36)).zip(strains);
+            parts
+                .map(|(((energy, stress), tangent), at)| self.response(*energy, stress, tangent, at))
+                .collect()
+        })
+    }
+
+    /// Response at a point; `None` where the law has given NaN.
+    fn response(
+        &self,
+        energy: f64,
+        stress: &[f64],
+        tangent: &[f64],
+        at: &Strain,
+    ) -> PyResult<Option<Response>> {
+        let response = Response {
+            stress: Strain::from_column_slice(stress),
+            tangent: nalgebra::Matrix6::from_row_slice(tangent),
+            energy,
+            dissipation: 0.0,
+        };
+        if !stress.iter().chain(tangent).chain([&energy]).all(|x| x.is_finite()) {
+            return Ok(None);
+        }
+        let size = response.tangent.amax();
+        let refuse =
+            |what: &str| Err(PyValueError::new_err(format!("the law of material \"{}\" {what}", self.name)));
+        if (response.tangent - response.tangent.transpose()).amax() > UNSYMMETRIC * size {
+            let strain: Vec<_> = at.iter().map(|x| format!("{x:.6e}")).collect();
+            return refuse(&format!(
+                "has a tangent that is not symmetric, at the strain [{}]: it is the derivative of the stress, and that one of the energy",
+                strain.join(", ")
+            ));
+        }
+        if *at == Strain::zeros() && response.stress.amax() > UNSYMMETRIC * size {
+            return refuse("has a stress without strain, and a body at rest has none");
+        }
+        Ok(Some(response))
+    }
+}
+
+impl MaterialLaw for PythonLaw {
+    fn respond(&self, strain: &Strain, _: &[f64], _: &mut [f64]) -> Option<Response> {
+        self.respond_many(std::slice::from_ref(strain)).pop().flatten()
+    }
+
+    fn is_hyperelastic(&self) -> bool {
+        self.is_rubber
+    }
+
+    fn is_collected(&self) -> bool {
+        true
+    }
+
+    fn respond_many(&self, strains: &[Strain]) -> Vec<Option<Response>> {
+        let found = if self.raised.is_set() || strains.is_empty() {
+            None
+        } else {
+            self.raised.keep(self.evaluate(strains))
+        };
+        found.unwrap_or_else(|| vec![None; strains.len()])
+    }
+}
