@@ -140,6 +140,12 @@ class Watching(InBrowser):
         self.assertTrue(meshes and self.value("window.kept === page.stage.viewer.meshes[0]"), "the scene is not built anew")
         moved = self.drawn()
         self.assertNotEqual(moved, (number, x, y), "the shape moves")
+        # Colours by the stress, which is everywhere and somewhere largest.
+        self.assertEqual(self.value("page.stage.field.value"), "von_mises/")
+        self.assertIn("von mises", self.browser.find_element(By.CSS_SELECTOR, "#scene select").text)
+        low, high = self.value("page.stage.viewer.range")
+        self.assertTrue(0.0 <= low < high, (low, high))
+        self.assertEqual(self.value("page.shapes.stress.length"), 32)
         # A second page has all of it, too.
         self.browser.switch_to.new_window("tab")
         self.browser.get(run.url)

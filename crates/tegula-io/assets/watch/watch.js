@@ -17,7 +17,7 @@ async function fetched(name) {
   return answer;
 }
 
-/** Meshes of the present analysis, with the displacements of one state. */
+/** Meshes of the present analysis, with the displacements and stresses of one state. */
 class LiveShapes extends Shapes {
   /** Reads the reference configuration, whose parts are described in `watch/shapes.rs`. */
   static of(buffer) {
@@ -28,8 +28,9 @@ class LiveShapes extends Shapes {
     const take = (Type, count) => new Type(buffer, 4 * (at += count) - 4 * count, count);
     for (let m = 0; m < words[1]; m++) {
       const [outline, points, quads, lines] = take(Uint32Array, 4);
+      if (outline !== 1) out.stress = new Float32Array(quads).fill(NaN);
       out.meshes.push({
-        outline: outline === 1, points, fields: [],
+        outline: outline === 1, points, fields: outline === 1 ? [] : [{ name: "von_mises", components: [[""]] }],
         references: [take(Float32Array, 3 * points)], quads: take(Uint32Array, 4 * quads), lines: take(Uint32Array, 2 * lines),
         displacement: [[0, 1, 2].map(() => new Float32Array(points))],
       });
@@ -37,7 +38,11 @@ class LiveShapes extends Shapes {
     return out;
   }
 
-  /** Takes the displacements of another state; false if they belong to another analysis. */
+  async decode(choice) {
+    return choice === "von_mises/" ? { atPoints: false, values: [this.stress] } : super.decode(choice);
+  }
+
+  /** Takes the displacements and stresses of another state; false if they belong to another analysis. */
   renew(buffer, parameter) {
     const words = new Uint32Array(buffer), numbers = new Float32Array(buffer);
     if (!words.length || words[0] !== this.part) return false;
@@ -45,6 +50,7 @@ class LiveShapes extends Shapes {
     let at = 3;
     for (const { points, displacement: [u] } of this.meshes)
       for (let i = 0; i < points; i++) for (let c = 0; c < 3; c++) u[c][i] = numbers[at++];
+    this.stress?.set(numbers.subarray(at, at + this.stress.length));
     this.cache.clear();
     return true;
   }
@@ -74,7 +80,7 @@ class LiveStage extends Stage {
     await this.recolour();
   }
 
-  /** Shows the displacements that have come, those of a part of the analysis. */
+  /** Shows the shape that has come, that of a part of the analysis. */
   async renew(done) {
     const { box, shapes } = this, { largest } = shapes.extent();
     box.largest = largest;
@@ -260,7 +266,7 @@ class Watch {
     }
   }
 
-  /** Fetches the latest displacements. */
+  /** Fetches the latest shape. */
   async move() {
     const buffer = await (await fetched("shape")).arrayBuffer();
     if (!this.shapes.renew(buffer, this.heading.analysis === "transient" ? "time" : "load factor")) return;

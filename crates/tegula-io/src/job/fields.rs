@@ -6,7 +6,7 @@ use tegula::analysis::State;
 use tegula::element::Nodal;
 use tegula::model::{Field, Output};
 use tegula::result::inside::Snapshot;
-use tegula::result::{Equilibrium, ShellResult, plastic_strains, plies};
+use tegula::result::{Equilibrium, ShellResult, plastic_strains, plies, recover};
 use tegula::{Mesh, System};
 
 use super::frames;
@@ -44,6 +44,11 @@ pub(super) fn by_quad<const N: usize>(
         out[first..first + N].copy_from_slice(&value(result));
     }
     out
+}
+
+/// Von Mises stress of a state, quadrilateral by quadrilateral (force/length²): the greatest of top, middle and bottom; NaN where there is no shell.
+pub fn von_mises(mesh: &Mesh, system: &System, state: &State) -> Vec<f64> {
+    by_quad(mesh, system, &recover(system, state), |r| [r.von_mises])
 }
 
 /// Fields of a state, or of a small motion about it.

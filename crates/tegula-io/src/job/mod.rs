@@ -56,7 +56,7 @@ use crate::deck::Diagnostic;
 use crate::out::OutputError;
 
 pub use assembly::{AssemblyResult, GapResult, MotionResult};
-pub use fields::{directors, nodal, positions};
+pub use fields::{directors, nodal, positions, von_mises};
 pub use folder::{Claim, ResultFolder};
 pub use forces::{AccelerationResult, BalanceResult, ForceResult};
 pub use history::HistoryRows;

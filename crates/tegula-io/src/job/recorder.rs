@@ -218,7 +218,7 @@ impl<'a> Recorder<'a> {
         let state = &self.memory.state;
         if self.model.output.pictures && snapshots::lacks(&self.memory.kept, state) {
             let Prepared { mesh, system, .. } = self.prepared;
-            let values = fields::by_quad(mesh, system, &recover(system, state), |r| [r.von_mises]);
+            let values = fields::von_mises(mesh, system, state);
             snapshots::keep(&mut self.memory.kept, state, values);
         }
     }

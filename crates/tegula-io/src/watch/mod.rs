@@ -135,7 +135,7 @@ impl RunPage {
                 let content = slot.lock();
                 (content.part, content.shapes)
             };
-            shapes::displacements(part, shapes + 1, prepared, state)
+            shapes::shape(part, shapes + 1, prepared, state)
         });
         let mut content = slot.lock();
         content.rows.append(&self.rows);

@@ -1,12 +1,13 @@
-//! Meshes and displacements as bytes that a page reads without decoding: little-endian numbers of 32 bits.
+//! Meshes, displacements and stresses as bytes that a page reads without decoding: little-endian numbers of 32 bits.
 //!
 //! The reference configuration begins with the number of the analysis and that of the meshes. Of each mesh follow: 1 for outlines of
-//! bodies or 0, the numbers of points, quadrilaterals and lines, the coordinates, the corners, the ends. Displacements begin with the number of
-//! the analysis, that of the shape and the time, in single precision; those of the points of all meshes follow.
+//! bodies or 0, the numbers of points, quadrilaterals and lines, the coordinates, the corners, the ends. A shape begins with the number of
+//! the analysis, that of the shape and the time, in single precision; the displacements of the points of all meshes follow, and the von Mises
+//! stresses of the quadrilaterals of the shells.
 
 use tegula::analysis::State;
 
-use crate::job::{Prepared, nodal};
+use crate::job::{Prepared, nodal, von_mises};
 
 /// The reference configuration.
 pub(super) fn mesh(part: u64, prepared: &Prepared) -> Vec<u8> {
@@ -43,16 +44,19 @@ fn one(
     out
 }
 
-/// Displacements in a state.
-pub(super) fn displacements(part: u64, number: u64, prepared: &Prepared, state: &State) -> Vec<u8> {
+/// Displacements and stresses in a state.
+pub(super) fn shape(part: u64, number: u64, prepared: &Prepared, state: &State) -> Vec<u8> {
     let Prepared { mesh, system, .. } = prepared;
     let shells = if mesh.quads.is_empty() { Vec::new() } else { nodal(system, &state.u) };
     let bodies = if system.outline.is_empty() { Vec::new() } else { system.outline.displacements(&state.u) };
-    let mut out = Vec::with_capacity(12 * (1 + shells.len() + bodies.len()));
+    let mut out = Vec::with_capacity(12 * (1 + shells.len() + bodies.len()) + 4 * mesh.quads.len());
     word(&mut out, part as u32);
     word(&mut out, number as u32);
     single(&mut out, state.time);
     shells.iter().chain(&bodies).flatten().for_each(|&x| single(&mut out, x));
+    if !mesh.quads.is_empty() {
+        von_mises(mesh, system, state).into_iter().for_each(|x| single(&mut out, x));
+    }
     out
 }
 

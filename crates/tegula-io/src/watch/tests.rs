@@ -288,6 +288,7 @@ fn pages_show_the_last_state_of_a_run() {
     let found = &singles(&shape[8..])[1 + 3 * node..][..3];
     assert_eq!(singles(&shape[8..])[0], summary.time as f32);
     assert_eq!(found, tip.map(|u| u as f32));
+    assert_eq!(shape.len(), 4 * (3 + 3 * 15 + 8));
     // A client that has all of it lets the server end.
     let known = format!("part=1&row={}&message={}&shape={number}", first["row"], first["message"]);
     assert_eq!(first["whole"], false);
@@ -295,6 +296,27 @@ fn pages_show_the_last_state_of_a_run() {
     let begun = Instant::now();
     page.close(|| false);
     assert!(begun.elapsed() < LAST_CALL - Duration::from_secs(1), "{:?}", begun.elapsed());
+}
+
+/// Under tension p on an edge of thickness h the stress is p/h everywhere.
+#[test]
+fn pages_show_the_stress_of_the_shells() {
+    let mut page = RunPage::serve().unwrap();
+    let pulled = PLATE
+        .replace("type = \"transient\"", "type = \"static\"")
+        .replace("end_time = 0.2", "")
+        .replace("time_step = 0.01", "")
+        .replace("scheme = { type = \"energy-momentum\" }", "")
+        .replace("poisson = 0.3", "poisson = 0.0")
+        .replace("type = \"spherical\"", "type = \"clamp\"")
+        .replace("type = \"gravity\"", "type = \"edge\"\non = \"u_max\"")
+        .replace("[0.0, 0.0, -9.81]", "[400.0, 0.0, 0.0]");
+    run(&mut page, &pulled).unwrap();
+    let shape = got(&page, "shape").1;
+    let stresses = &singles(&shape[8..])[1 + 3 * 15..];
+    assert_eq!(stresses.len(), 8);
+    // The strain is 1e-3, and the stress per present area differs by that.
+    assert!(stresses.iter().all(|s| (s / 2e4 - 1.0).abs() < 3e-3), "{stresses:?}");
 }
 
 #[test]
