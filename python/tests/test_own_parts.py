@@ -188,6 +188,29 @@ class Loads(unittest.TestCase):
         self.assertLess(abs(tip(result.analyses["load"]) / exact - 1.0), 2e-3)
 
 
+    def test_modes_have_the_stiffness_of_springs(self) -> None:
+        steps = [
+            {"name": "rest", "analysis": {"type": "static"}},
+            {"name": "modes", "analysis": {"type": "modal", "modes": 1}},
+        ]
+        keys = cantilever(loads=[], steps=steps)
+        del keys["analysis"]
+        result = tegula.Model(keys).run(loads=[tegula.NodalForce("u_max", springs)])
+
+        # Cantilever with the spring κ E I/L³, κ = 3, at its end: 1 + cos β cosh β + κ/β³ (sin β cosh β − cos β sinh β) = 0 (R. D. Blevins,
+        # Formulas for Natural Frequency and Mode Shape).
+        def equation(b: float) -> float:
+            bending = float(np.sin(b) * np.cosh(b) - np.cos(b) * np.sinh(b))
+            return 1.0 + float(np.cos(b) * np.cosh(b)) + 3.0 / b**3 * bending
+
+        low, high = 1.5, 3.0
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if equation(low) * equation(middle) > 0.0 else (low, middle)
+        omega = low**2 / LENGTH**2 * float(np.sqrt(YOUNG * INERTIA / (7850.0 * WIDTH * THICKNESS)))
+        self.assertLess(abs(2.0 * np.pi * result.analyses["modes"].frequencies[0] / omega - 1.0), 1e-3)
+
+
 class Failures(unittest.TestCase):
     def test_an_exception_of_a_load_ends_the_run_as_it_is(self) -> None:
         mistake = Mistake("no wind today")
@@ -275,6 +298,7 @@ class Failures(unittest.TestCase):
             (cantilever(), tegula.NodalForce("nowhere", springs), "neither a set of the mesh nor a body"),
             (cantilever(analysis={"type": "static", "linear": True}), load, "linear"),
             (cantilever(analysis={"type": "buckling", "modes": 1}), load, "buckling"),
+            (cantilever(analysis={"type": "modal", "modes": 1}, loads=[]), load, "modal"),
         ]
         for keys, given, message in cases:
             with self.subTest(message), self.assertRaisesRegex(tegula.ModelError, message):

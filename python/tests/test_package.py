@@ -197,6 +197,30 @@ class Runs(unittest.TestCase):
         del result
         self.assertFalse(folder.exists())
 
+    def test_frames_are_arrays_without_other_packages(self) -> None:
+        result = tegula.Model(cantilever()).run()
+        grid = result.frames[-1].read()
+        x, y = np.meshgrid(np.linspace(0.0, LENGTH, 21), np.linspace(0.0, WIDTH, 3), indexing="ij")
+        expected = np.column_stack([x.ravel(), y.ravel(), np.zeros(63)])
+        order, rows = np.lexsort(expected.T), np.lexsort(np.round(grid.points, 9).T)
+        self.assertLess(np.abs(grid.points[rows] - expected[order]).max(), 1e-12)
+        self.assertEqual((grid.quads.shape, grid.lines.shape), ((40, 4), (0, 2)))
+        # All corners of an element are an element apart at most.
+        corners = grid.points[grid.quads]
+        self.assertLess(abs(np.ptp(corners[:, :, 0], axis=1) - LENGTH / 20.0).max(), 1e-12)
+        deflection = grid.point_data["displacement"][:, 2]
+        tip = result.history["tip.uz"][-1]
+        self.assertLess(abs(deflection.min() / tip - 1.0), 1e-9)
+        for name in grid.cell_data:
+            self.assertEqual(len(grid.cell_data[name]), 40)
+        with self.assertRaisesRegex(KeyError, "there is no field 'heat'; there are: .*displacement"):
+            grid.point_data["heat"]
+        with tempfile.TemporaryDirectory() as folder:
+            broken = Path(folder) / "broken.vtu"
+            broken.write_text(result.frames[-1].path.read_text()[:2000])
+            with self.assertRaises(tegula.OutputError):
+                tegula.Frame(0.0, broken).read()
+
     def test_fields_are_read_by_meshio_and_pyvista(self) -> None:
         try:
             import meshio  # type: ignore[import-not-found, import-untyped, unused-ignore]  # noqa: F401

@@ -87,6 +87,14 @@ fn refused_field(name: &str, load: &LoadOnNodes, step: &StepModel) -> Option<Iss
             "a buckling analysis has loads that grow in proportion, and these are functions",
             "find the load by a static analysis or along a path",
         ),
+        Analysis::Modal(keys)
+            if step.starts_from.is_none() && !keys.prestressed && keys.speeds.is_empty() =>
+        {
+            (
+                "a modal analysis alone has no loads, and so not their stiffness",
+                "set `prestressed = true`, or put a static analysis before it by [[steps]]",
+            )
+        }
         Analysis::Static(keys) if keys.linear && dependence > Dependence::Time => LINEAR,
         Analysis::Transient(keys) if keys.linear && dependence > Dependence::Time => LINEAR,
         Analysis::Transient(keys) if dependence == Dependence::Velocities => match &keys.scheme {

@@ -126,10 +126,11 @@ fn a_damper_slows_a_mass_down_in_all_schemes() {
 }
 
 #[test]
-fn a_load_on_the_motion_is_refused_in_linear_and_buckling_analyses() {
+fn a_load_on_the_motion_is_refused_in_linear_modal_and_buckling_analyses() {
     let analyses = [
         Analysis::Static(StaticAnalysis { linear: true, ..StaticAnalysis::default() }),
         Analysis::Buckling(BucklingAnalysis::new(1)),
+        Analysis::Modal(ModalAnalysis::new(1)),
     ];
     for analysis in analyses {
         let m = Model { analysis, ..cantilever(1.0) };
