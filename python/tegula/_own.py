@@ -105,7 +105,7 @@ class ElasticLaw:
             repeated with a smaller one. There is no stress without strain.
         rubber: Whether elastic strains are large: elements then take the membrane part `assumed-shear`.
 
-    The function is called once for all points of up to 4096 elements and each iteration of their enhanced parameters. Axes are those of the section. It is a pure function, without memory:
+    The function is called once for all points of up to 4096 elements and each iteration of their enhanced parameters. Axes are those of the cross-section frame of each element, which depends on the order of its nodes; plies with angles or a direction are refused. It is a pure function, without memory:
     a material that yields is written in Rust. Elements are `cm` and `solid-shell`, whose stresses have six components. Density, and the stiffness at zero strain for estimates, are those
     of the material that the law replaces.
     """

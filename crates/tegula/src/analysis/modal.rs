@@ -171,6 +171,9 @@ fn modes_about(
     equilibrium: Option<&State>,
     observer: &mut dyn Observer,
 ) -> Result<(ModalOutcome, bool)> {
+    if let Some(state) = equilibrium {
+        circulatory::refuse_coupled_loads(problem.system, state)?;
+    }
     let spin =
         equilibrium.and_then(|state| Spin::of(problem.system, state.time)).filter(|spin| spin.omega != 0.0);
     match spin {

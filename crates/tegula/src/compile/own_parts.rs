@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{Compiler, named};
+use crate::element::registry;
 use crate::load::{FieldLoad, LoadOnNodes, NodalLoad, OwnLoad};
 use crate::material::MaterialLaw;
 use crate::mesh::Mesh;
@@ -67,6 +68,9 @@ impl<'a> Compiler<'a> {
 
 /// A law for a material that is not there, or is linear: linear materials are integrated when the model is compiled.
 pub(super) fn irreplaceable(model: &Model, name: &str) -> Option<Issue> {
+    if let Some(issue) = out_of_place(model, name) {
+        return Some(issue);
+    }
     let (message, help) = match model.materials.get(name) {
         None => ("a law is given for it, but the model has no such material", "add the material"),
         Some(material) if material.is_linear() => (
@@ -76,4 +80,33 @@ pub(super) fn irreplaceable(model: &Model, name: &str) -> Option<Issue> {
         Some(_) => return None,
     };
     Some(Issue::new(format!("materials.{name}"), message, help))
+}
+
+/// Section in which a law of the caller is not evaluated, or not in the axes that it has: its element assumes plane stress, or its plies are turned.
+fn out_of_place(model: &Model, name: &str) -> Option<Issue> {
+    model.sections.iter().enumerate().find_map(|(i, section)| {
+        if !section.materials().iter().any(|material| material == name) {
+            return None;
+        }
+        if !registry::shell(section, section.whole_thickness()).is_solid() {
+            return Some(Issue::new(
+                format!("sections[{i}].element"),
+                format!("a law is given for \"{name}\", and this element assumes plane stress, for which there is none"),
+                "take the element `cm` or `solid-shell`",
+            ));
+        }
+        let (key, layers) = section.layers()?;
+        let angles = layers.plies("").unwrap_or_default();
+        let turned = angles.iter().any(|ply| ply.material == name && ply.angle != 0.0);
+        (turned || layers.direction() != [1.0, 0.0, 0.0]).then(|| {
+            Issue::new(
+                format!("sections[{i}].{key}"),
+                format!(
+                    "a law is given for \"{name}\", which gets strains in the cross-section frame of each element: angles and the direction of plies \
+                     do not turn them"
+                ),
+                "leave `direction` and angles out, and turn strains and stresses in the law",
+            )
+        })
+    })
 }

@@ -32,7 +32,7 @@ const NODES: usize = 4;
 
 /// Input that has no effect, or a geometry that no shell has. The model is computed all the same.
 pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
-    let mut found = unused(model);
+    let mut found = unused(model, system);
     found.extend(unused_velocities(model));
     found.extend(jumping_supports(model, system));
     found.extend(shortened_directors(model, system));
@@ -308,7 +308,7 @@ fn prism(model: &Model, mesh: &Mesh, system: &System) -> Option<Issue> {
 }
 
 /// Loads that do not act, and an equilibrium without loads.
-fn unused(model: &Model) -> Vec<Issue> {
+fn unused(model: &Model, system: &System) -> Vec<Issue> {
     let Analysis::Modal(modal) = &model.analysis else { return Vec::new() };
     let prescribed = model.conditions.iter().any(|c| c.motion().is_some_and(|m| m.value != 0.0));
     // Strains without an amplitude grow with the load factor: they are not there at the reference.
@@ -323,7 +323,8 @@ fn unused(model: &Model) -> Vec<Issue> {
             "give `prestressed = true` to vibrate about the equilibrium under it, or leave it out",
         )];
     }
-    let acts = !model.loads.is_empty() || prescribed;
+    let of_caller = modal.prestressed && !system.load_sets.is_empty();
+    let acts = !model.loads.is_empty() || prescribed || of_caller;
     // The preload of springs acts in the reference configuration, too.
     match (modal.prestressed, acts || modal.prestressed && model.has_preloaded_springs()) {
         (false, true) => vec![Issue::new(

@@ -4,10 +4,14 @@ use std::fmt::Debug;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::element::Nodal;
+use crate::norm::larger;
 use crate::{Mat3, Vec3};
 
 /// Increment of a difference quotient over the size of the model: the square root of round-off, 2⁻²⁶.
 const DIFFERENCE: f64 = 1.490_116_119_384_765_6e-8;
+
+/// Change of the force on a node at rest over the largest change, when other nodes move, that is round-off.
+const ALONE: f64 = 1e-6;
 
 /// Quantities of which the forces of a [`FieldLoad`] are functions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -136,6 +140,38 @@ impl LoadOnNodes {
         self.load.stiffness(&at, weights, &mut found);
         self.put(Last { stiffness: Some((weights, found.clone())), ..last });
         found
+    }
+
+    /// Whether forces depend on the positions of other nodes than their own, which the blocks of [`FieldLoad::stiffness`] leave out.
+    ///
+    /// Half of the nodes move at a time, as the bits of their numbers say: any two nodes differ in one of them.
+    pub fn couples_nodes(&self, time: f64, motion: [Vec<Vec3>; 2], length: f64) -> bool {
+        let n = self.vectors.len();
+        if self.dependence() == Dependence::Time || n < 2 {
+            return false;
+        }
+        let Last { motion: [positions, velocities], forces: before, .. } = self.at(time, motion, length);
+        let bits = usize::BITS - (n - 1).leading_zeros();
+        let changes = (0..bits).flat_map(|bit| [(bit, 0), (bit, 1)]).map(|(bit, moving)| {
+            let moves = |node: usize| node >> bit & 1 == moving;
+            let shift = |(node, x): (usize, &Vec3)| {
+                if moves(node) { x + Vec3::repeat(DIFFERENCE * length) } else { *x }
+            };
+            let moved: Vec<Vec3> = positions.iter().enumerate().map(shift).collect();
+            let mut behind = vec![[0.0; 3]; n];
+            let at = LoadPoint { time, positions: &moved, velocities: &velocities, length };
+            self.load.forces(&at, &mut behind);
+            let mut largest = [0.0; 2];
+            for (node, (a, b)) in before.iter().zip(&behind).enumerate() {
+                let change = (Vec3::from(*b) - Vec3::from(*a)).norm();
+                let of = &mut largest[usize::from(moves(node))];
+                *of = larger(*of, change);
+            }
+            largest
+        });
+        let [at_rest, moved] =
+            changes.fold([0.0; 2], |all, found| [larger(all[0], found[0]), larger(all[1], found[1])]);
+        at_rest > ALONE * larger(at_rest, moved)
     }
 
     /// Last evaluation, or a new one where it was elsewhere.

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::common::{model, on, plate, vector_load};
 use crate::multibody::{body, machine};
-use tegula::analysis::{Silent, dynamics, statics};
+use tegula::analysis::{Observer, Silent, Step, dynamics, modal, statics};
 use tegula::compile::Compiler;
 use tegula::element::Nodal;
 use tegula::load::{Dependence, FieldLoad, LoadPoint};
@@ -99,29 +99,39 @@ fn a_load_needs_no_other_load() {
     assert!(matches!(Compiler::new(&m, &mesh), Err(Error::Model(_))));
 }
 
+/// Motion of a point mass under a load of the caller: its system, options, and the nodal vector of the mass.
+fn mass_under(
+    scheme: &str,
+    point: RigidBody,
+    [end, step]: [f64; 2],
+    load: Arc<dyn FieldLoad>,
+) -> (System, TransientAnalysis, usize) {
+    let mut m = machine(end, step, vec![point], Vec::new());
+    let Analysis::Transient(options) = &mut m.analysis else { unreachable!() };
+    options.scheme = serde_json::from_value(serde_json::json!({ "type": scheme })).unwrap();
+    let options = options.clone();
+    let mesh = Mesh::default();
+    let mut compiler = Compiler::with_own_parts(&m, &mesh, &Default::default(), true).unwrap();
+    let centre = compiler.centre_of_body("mass").unwrap();
+    compiler.add_field_load("own", vec![centre], load);
+    (compiler.system(0, None).unwrap(), options, centre as usize)
+}
+
 #[test]
 fn a_damper_slows_a_mass_down_in_all_schemes() {
     let (mass, damping, end) = (2.0, 8.0, 0.5);
     for scheme in ["energy-momentum", "generalized-alpha", "hht", "bdf2"] {
-        let scheme: Scheme = serde_json::from_value(serde_json::json!({ "type": scheme })).unwrap();
         let point = RigidBody { velocity: [0.0, 0.0, 3.0], ..body("mass", [1.0, 0.0, 0.0], mass, None) };
-        let mut m = machine(end, 5e-3, vec![point], Vec::new());
-        let Analysis::Transient(options) = &mut m.analysis else { unreachable!() };
-        options.scheme = scheme;
-        let options = options.clone();
-        let mesh = Mesh::default();
-        let mut compiler = Compiler::with_own_parts(&m, &mesh, &Default::default(), true).unwrap();
-        let centre = compiler.centre_of_body("mass").unwrap();
-        compiler.add_field_load("damper", vec![centre], Arc::new(Springs { damping, ..Springs::default() }));
-        let system = compiler.system(0, None).unwrap();
+        let load = Arc::new(Springs { damping, ..Springs::default() });
+        let (system, options, centre) = mass_under(scheme, point, [end, 5e-3], load);
         let state = dynamics::run(&system, &options, None, &mut Silent).unwrap().state;
         let exact = 3.0 * (-damping / mass * end).exp();
-        let velocity = state.v[centre as usize][2];
+        let velocity = state.v[centre][2];
         // Relative error c/m · t (Δt c/m)²/12 of the trapezoidal rule: 7e-5; that of other rules is a small multiple.
-        assert!((velocity / exact - 1.0).abs() < 5e-4, "{:?}: {velocity} for {exact}", options.scheme);
+        assert!((velocity / exact - 1.0).abs() < 5e-4, "{scheme}: {velocity} for {exact}");
         // What the damper takes is the kinetic energy that is lost.
         let lost = 0.5 * mass * (9.0 - velocity * velocity);
-        assert!((state.work + lost).abs() < 1e-3 * lost, "{:?}", options.scheme);
+        assert!((state.work + lost).abs() < 1e-3 * lost, "{scheme}");
     }
 }
 
@@ -148,4 +158,88 @@ fn a_load_that_cannot_be_evaluated_ends_the_analysis() {
     let load = Arc::new(Springs { stiffness: f64::NAN, ..Springs::default() });
     let system = with_load(&m, &mesh, "u_max", load).unwrap();
     assert!(statics::run(&system, &StaticAnalysis::default(), None, &mut Silent).is_err());
+}
+
+/// One-sided stop at z = 0.
+#[derive(Debug)]
+struct Stop(f64);
+
+impl FieldLoad for Stop {
+    fn dependence(&self) -> Dependence {
+        Dependence::Positions
+    }
+
+    fn forces(&self, at: &LoadPoint, out: &mut [Nodal]) {
+        for (f, x) in out.iter_mut().zip(at.positions) {
+            *f = [0.0, 0.0, if x.z >= 0.0 { 0.0 } else { -self.0 * x.z }];
+        }
+    }
+}
+
+#[derive(Default)]
+struct Warned(Vec<String>);
+
+impl Observer for Warned {
+    fn on_step(&mut self, _: &Step) -> tegula::Result<()> {
+        Ok(())
+    }
+
+    fn on_warning(&mut self, message: &str) {
+        self.0.push(message.into());
+    }
+}
+
+/// A mass that runs into a stop within one long step may gain a multiple of its energy: it is told. Short steps and springs of constant stiffness are not.
+#[test]
+fn work_that_steps_do_not_resolve_is_told() {
+    let cases: [(f64, Arc<dyn FieldLoad>, bool); 3] = [
+        (0.21, Arc::new(Stop(1e4)), true),
+        (1e-3, Arc::new(Stop(1e4)), false),
+        (0.21, Arc::new(Springs { stiffness: 1e4, ..Springs::default() }), false),
+    ];
+    for scheme in ["energy-momentum", "explicit"] {
+        for (step, load, told) in cases.clone() {
+            let at = if told { 1.0 } else { 0.1 };
+            let point = RigidBody { velocity: [0.0, 0.0, -1.0], ..body("mass", [0.0, 0.0, at], 1.0, None) };
+            let (system, options, _) = mass_under(scheme, point, [7.0 * 0.21, step], load);
+            let mut warned = Warned::default();
+            // An unstable explicit run ends with an error, behind the warning.
+            let outcome = dynamics::run(&system, &options, None, &mut warned);
+            assert!(outcome.is_ok() || scheme == "explicit");
+            let count = warned.0.iter().filter(|text| text.contains("the load \"own\"")).count();
+            assert_eq!(count, usize::from(told), "{scheme} {step}: {:?}", warned.0);
+        }
+    }
+}
+
+/// Spring between the nodes of a set: the force on each of them depends on the others.
+#[derive(Debug)]
+struct Between;
+
+impl FieldLoad for Between {
+    fn dependence(&self) -> Dependence {
+        Dependence::Positions
+    }
+
+    fn forces(&self, at: &LoadPoint, out: &mut [Nodal]) {
+        let mean = at.positions.iter().map(|x| x.z).sum::<f64>() / out.len() as f64;
+        for (f, x) in out.iter_mut().zip(at.positions) {
+            *f = [0.0, 0.0, -100.0 * (x.z - mean)];
+        }
+    }
+}
+
+#[test]
+fn modes_are_refused_where_forces_depend_on_other_nodes() {
+    let analysis = Analysis::Modal(ModalAnalysis { prestressed: true, ..ModalAnalysis::new(1) });
+    let m = Model { analysis, ..cantilever(1e-3) };
+    let mesh = generate(&m.mesh).unwrap();
+    let modes = |load: Arc<dyn FieldLoad>| {
+        let system = with_load(&m, &mesh, "u_max", load).unwrap();
+        let state = modal::prestress(&system, &mut Silent).unwrap().state;
+        modal::run(&system, 1, Some(&state), &mut Silent)
+    };
+    assert!(modes(Arc::new(Springs { stiffness: 100.0, ..Springs::default() })).is_ok());
+    let refused = modes(Arc::new(Between)).map(|_| ()).unwrap_err().to_string();
+    assert!(refused.contains("the load \"springs\" depend on the motion of other nodes"), "{refused}");
 }

@@ -8,7 +8,7 @@ use tegula::material::linear::{Orthotropy, isotropic, isotropic_plane_stress};
 use tegula::material::{
     Hyperelastic, Law, MaterialLaw, NeoHookeanForm, OwnLaw, PlaneStressPlasticity, Plasticity,
 };
-use tegula::model::{Material, MooneyRivlin, NeoHookean};
+use tegula::model::{ElementKind, Material, MooneyRivlin, NeoHookean};
 use tegula::norm::{larger, max_norm};
 
 const STEEL: Plasticity = Plasticity {
@@ -452,9 +452,13 @@ fn laws_for_unknown_and_for_linear_materials_are_refused() {
             None
         }
     }
-    let model = crate::common::edge_loaded_shell(false, 2, 10.0, 0.0);
+    let mut model = crate::common::edge_loaded_shell(false, 2, 10.0, 0.0);
     let mesh = tegula::mesh::generators::generate(&model.mesh).unwrap();
-    for (name, word) in [("steel", "no such material"), ("m", "is linear")] {
+    let (ems, cm) = (model.sections[0].element, ElementKind::Cm);
+    for (name, element, word) in
+        [("steel", cm, "no such material"), ("m", cm, "is linear"), ("m", ems, "assumes plane stress")]
+    {
+        model.sections[0].element = element;
         let laws = std::collections::BTreeMap::from([(
             name.to_owned(),
             std::sync::Arc::new(Nothing) as std::sync::Arc<dyn tegula::material::MaterialLaw>,

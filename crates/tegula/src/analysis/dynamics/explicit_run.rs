@@ -7,6 +7,7 @@ use super::energy_watch::{SuppliedEnergy, is_round_off};
 use super::explicit::Explicit;
 use super::explicit_start;
 use super::fibre_watch::FibreWatch;
+use super::load_watch::LoadWatch;
 use super::rank_watch::RankWatch;
 use super::step_end::StepEnds;
 use super::{SMALLEST_STEP, Span};
@@ -120,6 +121,7 @@ pub(super) struct ExplicitSteps<'a> {
     monitor: EnergyMonitor,
     drilling: DrillingWatch,
     bending: BendingWatch,
+    loads: LoadWatch,
     ends: StepEnds,
     check: AmplitudeCheck,
     state: State,
@@ -177,6 +179,7 @@ impl<'a> ExplicitSteps<'a> {
             monitor,
             drilling: DrillingWatch::new(),
             bending: BendingWatch::new(),
+            loads: LoadWatch::new(system, &state),
             ends: StepEnds::new(system, options),
             check: AmplitudeCheck::new(system, options),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
@@ -259,6 +262,7 @@ impl<'a> ExplicitSteps<'a> {
         state.step += 1;
         self.statistics.steps = state.step;
         outcome.map_err(|reason| self.unstable(reason))?;
+        self.loads.look(self.system, (&self.state, last), observer);
         let step = self.state.step;
         if (last || step.is_multiple_of(INTERVAL))
             && let Some(reason) = inverted_element(self.system, &self.state.u)
@@ -338,6 +342,7 @@ impl Stepper for ExplicitSteps<'_> {
         let Self { system, scheme, fibres, state, .. } = self;
         state.clone_from(start);
         scheme.begin(state);
+        self.loads = LoadWatch::new(system, state);
         if state.tangent.valid {
             fibres.take(system, &state.tangent.u);
         }

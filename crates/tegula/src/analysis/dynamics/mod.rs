@@ -22,6 +22,7 @@ mod joint_events;
 mod joint_impact;
 mod joint_modes;
 pub mod kinematics;
+mod load_watch;
 pub mod newmark;
 mod predictor;
 mod rank_watch;

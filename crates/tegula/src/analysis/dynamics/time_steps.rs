@@ -6,6 +6,7 @@ use super::drive_rates::DriveRates;
 use super::energy_watch::{EnergyWatch, keeps_energy};
 use super::joint_events::{JointEvents, Review};
 use super::kinematics::determined;
+use super::load_watch::LoadWatch;
 use super::rank_watch::RankWatch;
 use super::rotation_watch::RotationWatch;
 use super::schemes::Instant;
@@ -60,15 +61,15 @@ pub(super) struct TimeSteps<'a> {
     own_tangents: bool,
     /// Whether the analysis begins at its first state.
     fresh: bool,
-    /// Messages about the first state.
+    /// Messages about the first state, and warnings about the start.
     messages: Vec<String>,
-    /// Warnings about the start.
     warnings: Vec<String>,
     /// Watch of the velocities of driven joints.
     drive_rates: DriveRates,
     difference_energy: DifferenceEnergy,
     /// Watch of the energy of schemes that do not conserve it.
     energies: EnergyWatch,
+    loads: LoadWatch,
     /// Watch of rotations in constant steps.
     rotations: RotationWatch,
     rank: RankWatch,
@@ -107,6 +108,7 @@ impl<'a> TimeSteps<'a> {
         newton.restore(system, &state, true);
         let control = StepControl::new(options);
         let balance = balance(system, &mut newton.assembly, &state);
+        let constant = options.time_step.is_some() && !options.scheme.is_kinematic();
         if fresh {
             state.next_step = control.first(system, &state);
         }
@@ -125,11 +127,8 @@ impl<'a> TimeSteps<'a> {
             drive_rates: DriveRates::new(system, state.time),
             difference_energy: DifferenceEnergy::new(system),
             energies: EnergyWatch::new(system, &balance),
-            rotations: RotationWatch::new(
-                system,
-                options.time_step.is_some() && !options.scheme.is_kinematic(),
-                &state.u,
-            ),
+            loads: LoadWatch::new(system, &state),
+            rotations: RotationWatch::new(system, constant, &state.u),
             balance,
             statistics: Statistics { steps: state.step, ..Statistics::default() },
             old_velocities: vec![[0.0; 3]; system.vectors()],
@@ -372,6 +371,7 @@ impl<'a> TimeSteps<'a> {
             self.energies.look(system, energies, (state.step, span, last), observer);
         }
         self.rotations.look(system, at, scheme.sub_steps(), observer);
+        self.loads.look(system, (state, last), observer);
         Ok(Attempt::Accepted(converged.iterations))
     }
 
@@ -471,10 +471,10 @@ impl Stepper for TimeSteps<'_> {
         newton.restore(system, state, true);
         self.balance = balance(system, &mut newton.assembly, state);
         self.statistics.steps = state.step;
-        self.own_tangents = false;
         self.rotations.restart(&self.state.u);
         self.events.restart();
-        (self.event, self.reviewing) = (None, false);
+        self.loads = LoadWatch::new(system, &self.state);
+        (self.event, self.reviewing, self.own_tangents) = (None, false, false);
         self.ends.limit(end);
     }
 

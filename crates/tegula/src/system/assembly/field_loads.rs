@@ -21,7 +21,8 @@ impl FieldStiffness {
         for (load, factor, first) in system.field_loads() {
             let weights = [parts.weights.direction, parts.weights.rate];
             let scale = parts.weights.force * system.factor(factor, parts.time);
-            let blocks = load.stiffness(parts.time, motion_of(system, motion, load), system.length, weights);
+            let blocks =
+                load.stiffness(parts.time, system.motion_of_load(motion, load), system.length, weights);
             found.resize(system.followers.len(), Mat3::zeros());
             found.iter_mut().skip(first).zip(blocks).for_each(|(out, block)| *out = block * scale);
         }
@@ -35,23 +36,23 @@ impl FieldStiffness {
     }
 }
 
-/// Positions and velocities of the nodes of a load.
-fn motion_of(system: &System, motion: &Motion, load: &LoadOnNodes) -> [Vec<Vec3>; 2] {
-    let velocity = |v: usize| match motion {
-        Motion::State { velocity, .. } => velocity.map_or_else(Vec3::zeros, |rates| Vec3::from(rates[v])),
-        Motion::Step { old, new, dt } => (Vec3::from(new[v]) - Vec3::from(old[v])) / *dt,
-    };
-    let vectors = || load.vectors().iter().map(|&v| v as usize);
-    [vectors().map(|v| current_vector(system, motion, v)).collect(), vectors().map(velocity).collect()]
-}
-
 impl System {
     /// Loads that are evaluated for all their nodes together, with their factors and the number of their first follower load.
-    fn field_loads(&self) -> impl Iterator<Item = (&LoadOnNodes, &crate::load::LoadFactor, usize)> {
+    pub fn field_loads(&self) -> impl Iterator<Item = (&LoadOnNodes, &crate::load::LoadFactor, usize)> {
         self.followers.iter().enumerate().filter_map(|(number, load)| match load {
             FollowerLoad::Field { load, place: 0, factor } => Some((load.as_ref(), factor, number)),
             _ => None,
         })
+    }
+
+    /// Positions and velocities of the nodes of a load.
+    pub fn motion_of_load(&self, motion: &Motion, load: &LoadOnNodes) -> [Vec<Vec3>; 2] {
+        let velocity = |v: usize| match motion {
+            Motion::State { velocity, .. } => velocity.map_or_else(Vec3::zeros, |rates| Vec3::from(rates[v])),
+            Motion::Step { old, new, dt } => (Vec3::from(new[v]) - Vec3::from(old[v])) / *dt,
+        };
+        let vectors = || load.vectors().iter().map(|&v| v as usize);
+        [vectors().map(|v| current_vector(self, motion, v)).collect(), vectors().map(velocity).collect()]
     }
 
     /// Forgets the last evaluation of loads that are evaluated for all their nodes together: what they depend on besides their arguments may have changed.
@@ -69,7 +70,7 @@ impl System {
     ) {
         for (load, of_load, _) in self.field_loads().filter(|(.., n)| takes(self.load_of_follower[*n])) {
             let factor = factor * self.factor(of_load, time);
-            let forces = load.forces(time, motion_of(self, motion, load), self.length);
+            let forces = load.forces(time, self.motion_of_load(motion, load), self.length);
             for (&v, f) in load.vectors().iter().zip(forces) {
                 (0..3).for_each(|i| out[v as usize][i] += factor * f[i]);
             }
