@@ -104,7 +104,7 @@ class Model:
         resume: bool = False,
         force: bool = False,
         progress: Callable[[Progress], object] | bool | None = None,
-        loads: Iterable[NodalForce] = (),
+        loads: Iterable[NodalForce] | None = None,
         materials: Materials | None = None,
         _stacklevel: int = 2,
     ) -> Result:
@@ -152,7 +152,7 @@ class Model:
         *,
         signals: Iterable[str] = (),
         start: State | None = None,
-        loads: Iterable[NodalForce] = (),
+        loads: Iterable[NodalForce] | None = None,
         materials: Materials | None = None,
     ) -> Simulation:
         """Begins the static, path or transient analysis of the model, to be advanced step by step.
@@ -176,7 +176,7 @@ class Model:
         warn(steps.warnings(), 2)
         return Simulation(steps)
 
-    def equations(self, *, loads: Iterable[NodalForce] = (), materials: Materials | None = None) -> Equations:
+    def equations(self, *, loads: Iterable[NodalForce] | None = None, materials: Materials | None = None) -> Equations:
         """Equations of motion of the model: residual, tangent stiffness, mass matrix and constraints as functions of a state.
 
         `loads` and `materials` are functions, as those of `run`. Of a model with `[[steps]]` they are those of the first one. Those of a simulation, with its signals, are `Simulation.equations`.
@@ -238,7 +238,7 @@ def run(
     resume: bool = False,
     force: bool = False,
     progress: Callable[[Progress], object] | bool | None = None,
-    loads: Iterable[NodalForce] = (),
+    loads: Iterable[NodalForce] | None = None,
     materials: Materials | None = None,
 ) -> Result:
     """Runs a model file, a dictionary or a `Model`; see `Model.run`."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -15,6 +16,8 @@ Array = NDArray[np.float64]
 
 # Arguments of the functions of a load.
 _ARGUMENTS = ("time", "positions", "velocities")
+# Characters of names of sets that those of loads do not have.
+_NOT_IN_NAMES = re.compile(r"""[,;"'`\x00-\x1f\x7f-\x9f]""")
 
 
 def _arguments(what: str, function: object) -> int:
@@ -47,7 +50,8 @@ class NodalForce:
             be symmetric. Without it they are differences of the forces, three calls more for each new tangent.
         damping: Function of the same arguments that gives the blocks −∂f_a/∂v_a (force·time/length), n × 3 × 3, where `force` depends on velocities and
             `stiffness` is given.
-        name: Name in messages and in the columns `load.NAME.fx` … of the history; `python.SET` unless given.
+        name: Name in messages and in the columns `load.NAME.fx` … of the history; `python.SET` unless given. It is not that of a load of the model, and
+            has no commas, quotes and control characters.
 
     A function is called once for all nodes, several times in each step, and again where a step is repeated. It depends on its arguments
     alone: forces that depend on the past do not converge. In a static analysis the forces are multiplied by the load factor, as
@@ -71,8 +75,10 @@ class NodalForce:
     ) -> None:
         if not isinstance(on, str):
             raise TypeError(f"on: the name of a set or body is expected, not {type(on).__name__}")
+        if name is not None and not isinstance(name, str):
+            raise TypeError(f"name: a text is expected, not {type(name).__name__}")
         self.on = on
-        self.name = f"python.{on}" if name is None else name
+        self.name = f"python.{_NOT_IN_NAMES.sub('_', on)}" if name is None else name
         self.force = force
         self.stiffness = stiffness
         self.damping = damping
@@ -103,6 +109,7 @@ class ElasticLaw:
             stored energy per reference volume (force/area), n; second Piola–Kirchhoff stresses xx, yy, xy, zz, xz, yz (force/area), n × 6, the
             derivative of the energy; tangents, n × 6 × 6, the derivative of the stress by these strains, symmetric. Rows of NaN say that the law cannot be evaluated: the step is then
             repeated with a smaller one. There is no stress without strain.
+            Differences at a small strain check once whether the parts are derivatives of each other.
         rubber: Whether elastic strains are large: elements then take the membrane part `assumed-shear`.
 
     The function is called once for all points of up to 4096 elements and each iteration of their enhanced parameters. Axes are those of the cross-section frame of each element, which depends on the order of its nodes; plies with angles or a direction are refused. It is a pure function, without memory:
@@ -125,11 +132,27 @@ class ElasticLaw:
 Materials = Mapping[str, "ElasticLaw | Callable[[Array], Any]"]
 
 
-def own_parts(loads: Iterable[NodalForce], materials: Materials | None) -> Own:
+def own_parts(loads: Iterable[NodalForce] | None, materials: Materials | None) -> Own:
     """Loads and laws for the compiled part."""
-    loads = [loads] if isinstance(loads, NodalForce) else list(loads)
+    if loads is None:
+        loads = []
+    elif isinstance(loads, NodalForce):
+        loads = [loads]
+    elif isinstance(loads, str) or not isinstance(loads, Iterable):
+        raise TypeError(f"loads: a list of tegula.NodalForce is expected, not {type(loads).__name__}")
+    loads = list(loads)
     for load in loads:
         if not isinstance(load, NodalForce):
             raise TypeError(f"loads: a tegula.NodalForce is expected, not {type(load).__name__}")
-    laws = {name: law if isinstance(law, ElasticLaw) else ElasticLaw(law) for name, law in (materials or {}).items()}
+    if materials is None:
+        materials = {}
+    elif not isinstance(materials, Mapping):
+        raise TypeError(f"materials: a dictionary of laws by the names of their materials is expected, not {type(materials).__name__}")
+    laws = {}
+    for name, law in materials.items():
+        if not isinstance(name, str):
+            raise TypeError(f"materials: the name of a material is a text, not {type(name).__name__}")
+        if not isinstance(law, ElasticLaw) and not callable(law):
+            raise TypeError(f"materials: the law of {name!r} is a function of strains or a tegula.ElasticLaw, not {type(law).__name__}")
+        laws[name] = law if isinstance(law, ElasticLaw) else ElasticLaw(law)
     return Own([load._spec() for load in loads], [(name, law.function, law.rubber) for name, law in laws.items()])

@@ -41,6 +41,9 @@ class Simulation:
 
     Nothing is written to files, and stop conditions of the model do not end it. Arrays are copies: they stay as they are
     when the simulation goes on. Nodes are rows in the order of the mesh.
+
+    In a step the simulation has no state: a function of a load or material law that reads it or advances it gets a `RuntimeError`. Other threads
+    wait for the end of the step.
     """
 
     __slots__ = ("__weakref__", "_made", "_process")
@@ -173,5 +176,9 @@ class Simulation:
         )
 
     def __repr__(self) -> str:
-        time, end = self._steps.time()
+        steps = self._steps
+        try:
+            time, end = steps.time()
+        except RuntimeError:
+            return "<tegula.Simulation in the middle of a step>"
         return f"<tegula.Simulation at {time:g} of {end:g}>"

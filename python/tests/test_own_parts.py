@@ -1,5 +1,6 @@
 """Loads and materials that are functions of Python, against beam theory, damped oscillators and closed forms of rubber."""
 
+import functools
 import tempfile
 import threading
 import traceback
@@ -187,7 +188,6 @@ class Loads(unittest.TestCase):
         exact = LOAD * WIDTH / (BEAM + SPRING)
         self.assertLess(abs(tip(result.analyses["load"]) / exact - 1.0), 2e-3)
 
-
     def test_modes_have_the_stiffness_of_springs(self) -> None:
         steps = [
             {"name": "rest", "analysis": {"type": "static"}},
@@ -309,6 +309,181 @@ class Failures(unittest.TestCase):
             tegula.Model(cantilever(analysis=fourth)).simulation(loads=[damper])
         with self.assertRaisesRegex(tegula.ModelError, "two loads"):
             tegula.Model(cantilever()).run(loads=[load, load])
+
+    def test_a_function_that_reads_its_own_simulation_is_told(self) -> None:
+        reads: list[Any] = [
+            lambda s: s.positions,
+            lambda s: s.time,
+            lambda s: s.finished,
+            lambda s: s.signals,
+            lambda s: s.values(),
+            lambda s: s.state,
+            lambda s: s.equations,
+            lambda s: s.nodes_on("u_max"),
+            lambda s: s.advance(),
+            lambda s: s.repeat(),
+        ]
+        met: list[str] = []
+
+        def curious(time: float, positions: Array) -> Array:
+            if simulation is None:
+                return springs(time, positions)
+            met.append(repr(simulation))
+            for read in reads:
+                with self.assertRaisesRegex(RuntimeError, "middle of a step.*use the arguments"):
+                    read(simulation)
+            # One that is not under way is read.
+            self.assertEqual(other.time, 0.0)
+            return springs(time, positions)
+
+        def run() -> None:
+            simulation.advance()
+
+        other = tegula.Model(cantilever(analysis=SWING)).simulation()
+        simulation: Any
+        for in_thread in (False, True):
+            with self.subTest(in_thread=in_thread):
+                # Forces are evaluated at the beginning, too.
+                simulation = None
+                simulation = tegula.Model(cantilever(analysis=SWING)).simulation(loads=[tegula.NodalForce("u_max", curious)])
+                if in_thread:
+                    thread = threading.Thread(target=run, daemon=True)
+                    thread.start()
+                    thread.join(120.0)
+                    self.assertFalse(thread.is_alive(), "the thread waits for ever")
+                else:
+                    run()
+                self.assertAlmostEqual(simulation.time, 1e-3)
+        self.assertEqual(set(met), {"<tegula.Simulation in the middle of a step>"})
+        self.assertEqual(repr(simulation), "<tegula.Simulation at 0.001 of 0.05>")
+
+        def careless(time: float, positions: Array) -> Array:
+            return np.zeros_like(positions) if simulation is None else simulation.positions
+
+        simulation = None
+        simulation = tegula.Model(cantilever(analysis=SWING)).simulation(loads=[tegula.NodalForce("u_max", careless)])
+        with self.assertRaisesRegex(RuntimeError, "middle of a step"):
+            simulation.advance()
+        self.assertEqual(simulation.time, 0.0)
+
+    def test_a_law_that_reads_its_own_simulation_is_told(self) -> None:
+        law = hooke(1.0, 0.3)
+        told: list[str] = []
+        begun = False
+
+        def curious(strain: Array) -> tuple[Array, Array, Array]:
+            if begun:
+                try:
+                    simulation.advance()
+                except RuntimeError as error:
+                    told.append(str(error))
+            return law(strain)  # type: ignore[no-any-return]
+
+        # Elements are evaluated in several threads.
+        simulation = tegula.Model(rubber_strip([40, 20], 1.02)).simulation(materials={"m": curious})
+        begun = True
+        simulation.advance()
+        self.assertGreater(len(told), 1)
+        for message in told:
+            self.assertIn("middle of a step", message)
+
+    def test_a_function_that_evaluates_itself_ends(self) -> None:
+        depth, deepest = 0, 0
+
+        def endless(time: float, positions: Array) -> Array:
+            nonlocal depth, deepest
+            depth += 1
+            deepest = max(depth, deepest)
+            try:
+                equations.residual(state)
+            finally:
+                depth -= 1
+            return np.zeros_like(positions)
+
+        equations = tegula.Model(cantilever()).equations(loads=[tegula.NodalForce("u_max", endless)])
+        state = equations.state(1.0)
+        with self.assertRaisesRegex(RecursionError, "within itself"):
+            equations.residual(state)
+        self.assertLess(deepest, 20)
+
+        def own(strain: Array) -> tuple[Array, Array, Array]:
+            model.run(materials={"m": own})
+            return hooke(1.0, 0.3)(strain)  # type: ignore[no-any-return]
+
+        model = tegula.Model(rubber_strip([2, 1], 1.02))
+        with self.assertRaisesRegex(RecursionError, "within itself"):
+            model.run(materials={"m": own})
+
+    def test_names_of_loads_make_columns_of_their_own(self) -> None:
+        model = tegula.Model(cantilever())
+        built_in = "edge.u_max"
+        self.assertIn(f"load.{built_in}.fz", model.simulation().columns)
+        taken = "has the name of a load of the model"
+        wrong = [(name, "cannot name a load") for name in ("", "  ", "a,b", 'a"b', "a'b", "a\nb", "a\0b")]
+        wrong += [(name, taken) for name in (built_in, f"{built_in}#2", "released", "inertia_relief")]
+        for name, message in wrong:
+            for begin in (model.run, model.simulation, model.equations):
+                with self.subTest(name), self.assertRaisesRegex(tegula.ModelError, message):
+                    begin(loads=[tegula.NodalForce("u_max", springs, name=name)])
+        for name in ("edge.u_max_", "edges.u_max", "fjäder 1", "released_spring"):
+            columns = model.simulation(loads=[tegula.NodalForce("u_max", springs, name=name)]).columns
+            self.assertEqual(columns.count(f"load.{name}.fz"), 1)
+            self.assertEqual(len(columns), len(set(columns)))
+        # A load of a later step.
+        steps = [{"name": "rest", "analysis": {"type": "static"}, "loads": []},
+                 {"name": "load", "analysis": {"type": "static"}, "loads": cantilever()["loads"]}]
+        keys = cantilever(loads=[], steps=steps)
+        del keys["analysis"]
+        with self.assertRaisesRegex(tegula.ModelError, taken):
+            tegula.Model(keys).run(loads=[tegula.NodalForce("u_max", springs, name=built_in)])
+        # Names of sets may have commas.
+        self.assertEqual(tegula.NodalForce("left,right", springs).name, "python.left_right")
+
+    def test_only_real_numbers_are_taken(self) -> None:
+        model = tegula.Model(cantilever())
+        masked = np.ma.masked_less(np.diag([1.0, 2.0, 0.0]), 0.5)
+        wrong = [
+            (np.ones((3, 3), complex), TypeError, "complex numbers"),
+            ([["1", "2", "3"]] * 3, TypeError, "text"),
+            (np.zeros((3, 3), [("fx", float)]), TypeError, "structured records"),
+            (np.zeros((3, 3), "m8[s]"), TypeError, "time differences"),
+            (np.zeros((3, 3), "M8[s]"), TypeError, "times"),
+            (np.ones((3, 3), bool), TypeError, "truth values"),
+            (masked, ValueError, "masked entries"),
+            (np.full((3, 3), None), ValueError, "no array of numbers"),
+            ([[1.0], [1.0, 2.0]], ValueError, "list is given, and no array of numbers"),
+        ]
+        for value, kind, message in wrong:
+            with self.subTest(message), self.assertRaisesRegex(kind, f'forces of the load "wind".*{message}'):
+                model.run(loads=[tegula.NodalForce("u_max", lambda time, value=value: value, name="wind")])
+        law = hooke(1.0, 0.3)
+        strip = tegula.Model(rubber_strip([4, 2], 1.2))
+        with self.assertRaisesRegex(TypeError, 'stress of the law of material "m".*complex'):
+            strip.run(materials={"m": lambda strain: (law(strain)[0], law(strain)[1] + 0j, law(strain)[2])})
+        whole = np.array([[0, 0, 100]] * 3)
+        tips = [
+            tip(model.run(loads=[tegula.NodalForce("u_max", lambda time, value=value: value)]))
+            for value in (whole.astype(float), whole, whole.astype(np.uint8), whole.astype(np.float32), whole.tolist(), np.ma.array(whole))
+        ]
+        self.assertEqual(tips, tips[:1] * 6)
+
+    def test_arguments_of_other_kinds_are_refused(self) -> None:
+        model = tegula.Model(cantilever())
+        self.assertEqual(tip(model.run(loads=None, materials=None)), tip(model.run()))
+        wrong: list[tuple[dict[str, Any], str]] = [
+            ({"loads": 3}, "loads: a list of tegula.NodalForce is expected, not int"),
+            ({"loads": "u_max"}, "loads: a list of tegula.NodalForce is expected, not str"),
+            ({"loads": [springs]}, "loads: a tegula.NodalForce is expected, not function"),
+            ({"materials": [hooke(1.0, 0.3)]}, "materials: a dictionary .* is expected, not list"),
+            ({"materials": {3: hooke(1.0, 0.3)}}, "materials: the name of a material is a text, not int"),
+            ({"materials": {"m": 3.0}}, "materials: the law of 'm' is a function .*, not float"),
+        ]
+        for arguments, message in wrong:
+            for begin in (model.run, model.simulation, model.equations):
+                with self.subTest(message), self.assertRaisesRegex(TypeError, message):
+                    begin(**arguments)
+        with self.assertRaisesRegex(TypeError, "name: a text is expected, not int"):
+            tegula.NodalForce("u_max", springs, name=3)  # type: ignore[arg-type]
 
     def test_functions_may_compute_with_the_package_in_any_thread(self) -> None:
         inner = tegula.Model(cantilever(mesh={"type": "plate", "size": [LENGTH, WIDTH], "grid": {"elements": [8, 1]}}))
@@ -485,6 +660,68 @@ class Materials(unittest.TestCase):
         self.assertIs(caught.exception, mistake)
         with self.assertRaisesRegex(tegula.ModelError, "no such material"):
             model.run(materials={"n": law})
+
+    def test_laws_whose_parts_do_not_fit_are_refused(self) -> None:
+        law = hooke(2.0, 0.25)
+        # λ = μ = 0.8: S_xx = 0.8 (0.7 + 2·1)·1e-3 = 2.16e-3 at the strain of the check; C_xx,xx = 2.4.
+        halves = np.where(ROWS == COLUMNS, 1.0, 0.5)
+
+        def parts(change: Any) -> Any:
+            return lambda strain: change(*law(strain), strain)
+
+        wrong = [
+            (parts(lambda w, s, c, e: (2.0 * w, s, c)), r"stress xx = 2\.160*e-3 .* derivative 4\.320*e-3 by xx"),
+            (parts(lambda w, s, c, e: (0.0 * w, s, c)), r"stress xx = 2\.160*e-3 .* derivative 0\.0*e0 by xx"),
+            (parts(lambda w, s, c, e: (w, -s, c)), r"stress xx = -2\.160*e-3"),
+            (parts(lambda w, s, c, e: (w, s, 0.5 * c)), r"tangent 1\.20*e0 of stress (xx|yy|zz) by strain (xx|yy|zz) .* derivative 2\.40*e0"),
+            (parts(lambda w, s, c, e: (w, s, 0.0 * c)), r"tangent 0\.0*e0 of stress"),
+            # Strains xy in place of 2xy.
+            (parts(lambda w, s, c, e: (w, s * halves, c)), "stress xz = "),
+            (parts(lambda w, s, c, e: (w, s, c * np.outer(halves, halves))), "tangent .* of stress (xy|xz|yz) by strain 2"),
+            # Two components changed over.
+            (parts(lambda w, s, c, e: (w, s[:, [0, 1, 3, 2, 4, 5]], c)), "stress (zz|xy) = "),
+        ]
+        model = tegula.Model(rubber_strip([4, 2], 1.2))
+        for function, message in wrong:
+            for begin in (model.run, lambda materials: model.simulation(materials=materials).advance()):
+                with self.subTest(message), self.assertRaisesRegex(ValueError, f'the law of material "m" has .*{message}'):
+                    begin(materials={"m": function})
+
+    def test_laws_that_fit_are_taken(self) -> None:
+        law = hooke(2.0, 0.25)
+        exact = self.nominal(tegula.Model(rubber_strip([4, 2], 1.02)).run(materials={"m": law}))
+
+        def offset(strain: Array) -> tuple[Array, Array, Array]:
+            energy, stress, tangent = law(strain)
+            return energy + 1e5, stress, tangent
+
+        def single(strain: Array) -> tuple[Array, Array, Array]:
+            energy, stress, tangent = law(strain)
+            return energy.astype(np.float32), stress, tangent
+
+        def limited(strain: Array) -> tuple[Array, Array, Array]:
+            energy, stress, tangent = law(strain)
+            # One-sided: of the neighbours of the strain of the check some are beyond.
+            return np.where(strain[:, 4] > 0.7e-3, np.nan, energy), stress, tangent
+
+        for function in (offset, single, limited):
+            with self.subTest(function.__name__):
+                found = self.nominal(tegula.Model(rubber_strip([4, 2], 1.02)).run(materials={"m": function}))
+                self.assertLess(abs(found / exact - 1.0), 1e-9)
+        # Nearly incompressible rubber, stiff or soft, and one that stiffens exponentially.
+        for bulk in (4e-3, 400.0, 4e6):
+            tegula.Model(rubber_strip([2, 1], 1.02)).run(materials={"m": functools.partial(yeoh, bulk=bulk)})
+
+        def fung(strain: Array) -> tuple[Array, Array, Array]:
+            energy, stress, tangent = law(strain)
+            growth = np.exp(500.0 * energy)
+            return (
+                (growth - 1.0) / 500.0,
+                growth[:, None] * stress,
+                growth[:, None, None] * (tangent + 500.0 * stress[:, :, None] * stress[:, None, :]),
+            )
+
+        tegula.Model(rubber_strip([2, 1], 1.02)).run(materials={"m": fung})
 
     def test_strains_that_a_law_leaves_out_end_the_analysis(self) -> None:
         law = hooke(1.0, 0.3)

@@ -1,8 +1,10 @@
 //! Compiled part of the Python package `tegula`. Its public part, with documentation and types, is in `python/tegula`.
 
+mod consistency;
 mod convert;
 mod equations;
 mod failure;
+mod given;
 mod matrices;
 mod model;
 mod own;

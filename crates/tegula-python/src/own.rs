@@ -3,21 +3,59 @@
 //! Analyses compute without the interpreter, some of them in threads of a pool. A load or law attaches its thread for a call and holds no
 //! lock meanwhile, so no thread that has the interpreter waits for one that needs it.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
-use pyo3::exceptions::PyValueError;
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
+use pyo3::exceptions::{PyRecursionError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::PyTuple;
 use tegula::element::Nodal;
 use tegula::load::{Dependence, FieldLoad, LoadPoint};
 use tegula::material::{MaterialLaw, Response, Strain};
 use tegula::{Mat3, Vec3};
 use tegula_io::job::{OwnLoad, OwnParts};
 
+use crate::consistency;
+use crate::given::Given;
 use crate::state::rows;
+
+/// Most calls of functions within each other in a thread, whose stack would not hold many.
+const DEEPEST: u32 = 10;
+
+thread_local! {
+    /// Calls of functions under way in this thread.
+    static CALLS: Cell<u32> = const { Cell::new(0) };
+}
+
+/// Call of a function that is under way.
+struct Call;
+
+impl Drop for Call {
+    fn drop(&mut self) {
+        CALLS.set(CALLS.get() - 1);
+    }
+}
+
+/// Whether this thread is within a function of a load or law, and so in the midst of a step of some analysis.
+pub fn is_within_function() -> bool {
+    CALLS.get() > 0
+}
+
+/// Result of a function of a load or law.
+fn call<'py>(function: &Bound<'py, PyAny>, arguments: Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
+    if CALLS.get() >= DEEPEST {
+        return Err(PyRecursionError::new_err(
+            "a load or material law is evaluated within itself again and again: its function evaluates a model that has it",
+        ));
+    }
+    CALLS.set(CALLS.get() + 1);
+    let _call = Call;
+    function.call1(arguments)
+}
 
 /// Exception of a function, which ends an analysis.
 #[derive(Clone, Default)]
@@ -98,6 +136,7 @@ impl Own {
                 name: name.clone(),
                 function: function.clone_ref(py),
                 is_rubber: *is_rubber,
+                is_checked: AtomicBool::new(false),
                 raised: raised.clone(),
             };
             (name.clone(), Arc::new(law) as Arc<dyn MaterialLaw>)
@@ -105,56 +144,6 @@ impl Own {
         let laws: BTreeMap<_, _> = self.laws.iter().map(law).collect();
         let loads = self.loads.iter().map(load).collect();
         (Arc::new(OwnParts { loads, laws }), raised)
-    }
-}
-
-/// Array that a function has given, whose shape begins with the number of nodes or points.
-struct Given<'py>(PyReadonlyArrayDyn<'py, f64>);
-
-impl<'py> Given<'py> {
-    /// Result of a function as an array of a shape.
-    fn new(what: &str, value: &Bound<'py, PyAny>, shape: &[usize]) -> PyResult<Self> {
-        let py = value.py();
-        let keywords = PyDict::new(py);
-        keywords.set_item("dtype", "float64")?;
-        // Rows one after another, whatever the strides of the caller are.
-        let array = py.import("numpy")?.call_method("ascontiguousarray", (value,), Some(&keywords));
-        let array = array.map_err(|cause| {
-            let kind = value.get_type().name().map_or_else(|_| "object".into(), |name| name.to_string());
-            let error = PyValueError::new_err(format!("{what}: a {kind} is given, and no array of numbers"));
-            error.set_cause(py, Some(cause));
-            error
-        })?;
-        let array: PyReadonlyArrayDyn<'py, f64> = array.extract()?;
-        if array.shape() != shape {
-            let of = |shape: &[usize]| {
-                let sizes: Vec<_> = shape.iter().map(ToString::to_string).collect();
-                if sizes.len() == 1 { format!("({},)", sizes[0]) } else { format!("({})", sizes.join(", ")) }
-            };
-            return Err(PyValueError::new_err(format!(
-                "{what}: the shape is {}, and {} is expected",
-                of(array.shape()),
-                of(shape)
-            )));
-        }
-        Ok(Self(array))
-    }
-
-    fn values(&self) -> PyResult<&[f64]> {
-        Ok(self.0.as_slice()?)
-    }
-
-    /// Values, all of which have to be finite.
-    fn finite(&self, what: &str, each: usize) -> PyResult<&[f64]> {
-        let values = self.values()?;
-        match values.iter().position(|x| !x.is_finite()) {
-            None => Ok(values),
-            Some(at) => Err(PyValueError::new_err(format!(
-                "{what}: row {} has the value {}, which is not a finite number",
-                at / each,
-                values[at]
-            ))),
-        }
     }
 }
 
@@ -193,7 +182,7 @@ impl PythonLoad {
 
     fn evaluate(&self, at: &LoadPoint, out: &mut [Nodal]) -> PyResult<()> {
         Python::attach(|py| {
-            let value = self.forces.bind(py).call1(self.arguments(py, at)?)?;
+            let value = call(self.forces.bind(py), self.arguments(py, at)?)?;
             let what = format!("forces of the load \"{}\"", self.name);
             let given = Given::new(&what, &value, &[out.len(), 3])?;
             out.as_flattened_mut().copy_from_slice(given.finite(&what, 3)?);
@@ -209,7 +198,7 @@ impl PythonLoad {
         out: &mut [Mat3],
     ) -> PyResult<()> {
         Python::attach(|py| {
-            let value = function.bind(py).call1(self.arguments(py, at)?)?;
+            let value = call(function.bind(py), self.arguments(py, at)?)?;
             let what = format!("{what} of the load \"{}\"", self.name);
             let given = Given::new(&what, &value, &[out.len(), 3, 3])?;
             let blocks = given.finite(&what, 9)?.chunks_exact(9);
@@ -252,6 +241,8 @@ struct PythonLaw {
     name: String,
     function: Py<PyAny>,
     is_rubber: bool,
+    /// Whether energy, stress and tangent have been found to be derivatives of each other.
+    is_checked: AtomicBool,
     raised: Raised,
 }
 
@@ -265,12 +256,37 @@ impl fmt::Debug for PythonLaw {
 }
 
 impl PythonLaw {
+    /// Responses at strains; before the first ones the law is checked.
     fn evaluate(&self, strains: &[Strain]) -> PyResult<Vec<Option<Response>>> {
+        if !self.is_checked.load(Ordering::Acquire) {
+            self.check()?;
+            self.is_checked.store(true, Ordering::Release);
+        }
+        self.responses(strains).map(|(responses, _)| responses)
+    }
+
+    /// Refuses a law whose stress is no derivative of its energy, or whose tangent is none of its stress.
+    fn check(&self) -> PyResult<()> {
+        match self.responses(&consistency::strains())? {
+            (responses, false) => match consistency::mistake(&responses) {
+                Some(mistake) => {
+                    let name = &self.name;
+                    Err(PyValueError::new_err(format!("the law of material \"{name}\" {mistake}")))
+                }
+                None => Ok(()),
+            },
+            // Differences of numbers of single precision are round-off.
+            (_, true) => Ok(()),
+        }
+    }
+
+    /// Responses at strains, and whether they are of less than double precision.
+    fn responses(&self, strains: &[Strain]) -> PyResult<(Vec<Option<Response>>, bool)> {
         Python::attach(|py| {
             let n = strains.len();
             let values: Vec<f64> = strains.iter().flat_map(|s| s.iter().copied()).collect();
             let values = values.into_pyarray(py).reshape([n, 6])?;
-            let value = self.function.bind(py).call1((values,))?;
+            let value = call(self.function.bind(py), (values,).into_pyobject(py)?)?;
             let what = |part: &str| format!("{part} of the law of material \"{}\"", self.name);
             let (energy, stress, tangent): (Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>) =
                 value.extract().map_err(|cause| {
@@ -284,11 +300,13 @@ impl PythonLaw {
             let energy = Given::new(&what("energy"), &energy, &[n])?;
             let stress = Given::new(&what("stress"), &stress, &[n, 6])?;
             let tangent = Given::new(&what("tangent"), &tangent, &[n, 6, 6])?;
+            let is_coarse = [&energy, &stress, &tangent].iter().any(|given| given.is_coarse());
             let parts = energy.values()?.iter().zip(stress.values()?.chunks_exact(6));
             let parts = parts.zip(tangent.values()?.chunks_exact(36)).zip(strains);
-            parts
+            let responses: PyResult<_> = parts
                 .map(|(((energy, stress), tangent), at)| self.response(*energy, stress, tangent, at))
-                .collect()
+                .collect();
+            Ok((responses?, is_coarse))
         })
     }
 

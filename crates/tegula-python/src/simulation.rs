@@ -1,10 +1,10 @@
 //! Analyses that Python advances step by step.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, TryLockError};
 
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
-use pyo3::exceptions::{PyKeyError, PyValueError};
+use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use rayon::ThreadPool;
@@ -18,7 +18,7 @@ use tegula_io::job::{self, HistoryRows, OwnParts, Prepared};
 
 use crate::equations::Equations;
 use crate::failure;
-use crate::own::Raised;
+use crate::own::{Raised, is_within_function};
 use crate::state::{self, rows};
 use crate::threads::compute;
 
@@ -114,14 +114,29 @@ impl Steps {
         Ok(Self { analysed: Mutex::new(analysed), columns, warnings, raised, pool: OnceLock::new() })
     }
 
-    fn lock(&self, py: Python<'_>) -> MutexGuard<'_, Analysed> {
-        // A thread that waits must not hold the interpreter, which the other one needs.
-        self.analysed.lock_py_attached(py).unwrap_or_else(|poisoned| poisoned.into_inner())
+    /// The analysis, for which a step in another thread is waited for.
+    ///
+    /// # Errors
+    /// A load or law would wait for the step that waits for it.
+    fn lock(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Analysed>> {
+        match self.analysed.try_lock() {
+            Ok(guard) => Ok(guard),
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) if is_within_function() => Err(PyRuntimeError::new_err(
+                "the simulation is in the middle of a step, and a load or material law cannot read it meanwhile: use the arguments of the function \
+                 (time, positions, velocities; strains)",
+            )),
+            // A thread that waits must not hold the interpreter, which the other one needs.
+            Err(TryLockError::WouldBlock) => {
+                Ok(self.analysed.lock_py_attached(py).unwrap_or_else(|poisoned| poisoned.into_inner()))
+            }
+        }
     }
 
     /// Reads the present state.
-    fn read<T>(&self, py: Python<'_>, read: impl FnOnce(&Prepared, &dyn Stepper) -> T) -> T {
-        self.lock(py).running.with_dependent(|prepared, stepper| read(prepared, stepper.as_ref()))
+    fn read<T>(&self, py: Python<'_>, read: impl FnOnce(&Prepared, &dyn Stepper) -> T) -> PyResult<T> {
+        let guard = self.lock(py)?;
+        Ok(guard.running.with_dependent(|prepared, stepper| read(prepared, stepper.as_ref())))
     }
 }
 
@@ -290,7 +305,7 @@ impl Steps {
     fn advance(&self, py: Python<'_>, steps: usize) -> PyResult<(u32, Vec<String>)> {
         let mut warnings = Vec::new();
         for _ in 0..steps {
-            let mut guard = self.lock(py);
+            let mut guard = self.lock(py)?;
             let analysed = &mut *guard;
             let outcome = compute(py, &self.pool, || analysed.advance())?;
             let warned = std::mem::take(&mut analysed.warned.messages);
@@ -305,12 +320,12 @@ impl Steps {
             })?;
             py.check_signals()?;
         }
-        Ok((self.lock(py).iterations, warnings))
+        Ok((self.lock(py)?.iterations, warnings))
     }
 
     /// Goes back to the start of the last step.
     fn repeat(&self, py: Python<'_>) -> PyResult<()> {
-        let mut guard = self.lock(py);
+        let mut guard = self.lock(py)?;
         let analysed = &mut *guard;
         compute(py, &self.pool, || analysed.repeat())?
     }
@@ -320,18 +335,18 @@ impl Steps {
         if !value.is_finite() {
             return Err(PyValueError::new_err(format!("the signal \"{name}\" cannot be {value}")));
         }
-        self.lock(py).signal(name)?.set(value);
+        self.lock(py)?.signal(name)?.set(value);
         Ok(())
     }
 
     /// Present value of a signal.
     fn signal_value(&self, py: Python<'_>, name: &str) -> PyResult<f64> {
-        Ok(self.lock(py).signal(name)?.value())
+        Ok(self.lock(py)?.signal(name)?.value())
     }
 
     /// Names of the signals.
-    fn signals(&self, py: Python<'_>) -> Vec<String> {
-        self.lock(py).signals.keys().cloned().collect()
+    fn signals(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        Ok(self.lock(py)?.signals.keys().cloned().collect())
     }
 
     /// Warnings about the model.
@@ -340,7 +355,7 @@ impl Steps {
     }
 
     /// The present state.
-    fn state(&self, py: Python<'_>) -> state::State {
+    fn state(&self, py: Python<'_>) -> PyResult<state::State> {
         let of = |prepared: &Prepared, stepper: &dyn Stepper| {
             state::State::new(stepper.state().clone(), &kind(&prepared.model.analysis), &prepared.system)
         };
@@ -348,8 +363,8 @@ impl Steps {
     }
 
     /// The equations of motion of the model, with the present values of the signals.
-    fn equations(&self, py: Python<'_>) -> Equations {
-        Equations::new(self.lock(py).running.borrow_owner().clone(), self.raised.clone())
+    fn equations(&self, py: Python<'_>) -> PyResult<Equations> {
+        Ok(Equations::new(self.lock(py)?.running.borrow_owner().clone(), self.raised.clone()))
     }
 
     /// Names of the columns of a row.
@@ -359,7 +374,7 @@ impl Steps {
 
     /// Row of the history for the last step.
     fn row<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let mut guard = self.lock(py);
+        let mut guard = self.lock(py)?;
         let analysed = &mut *guard;
         let row = compute(py, &self.pool, || analysed.row())?;
         self.raised.check()?;
@@ -367,17 +382,17 @@ impl Steps {
     }
 
     /// Time (load factor), and that at which the analysis ends.
-    fn time(&self, py: Python<'_>) -> (f64, f64) {
+    fn time(&self, py: Python<'_>) -> PyResult<(f64, f64)> {
         self.read(py, |_, stepper| (stepper.state().time, stepper.end()))
     }
 
     /// Whether the analysis has come to its end.
-    fn finished(&self, py: Python<'_>) -> bool {
+    fn finished(&self, py: Python<'_>) -> PyResult<bool> {
         self.read(py, |_, stepper| stepper.is_finished())
     }
 
     /// Kinetic, strain and potential energy, work, dissipation and their total.
-    fn energies(&self, py: Python<'_>) -> [f64; 6] {
+    fn energies(&self, py: Python<'_>) -> PyResult<[f64; 6]> {
         self.read(py, |_, stepper| {
             let b = stepper.balance();
             [b.kinetic, b.strain, b.potential, b.work, b.dissipated, b.total]
@@ -385,7 +400,7 @@ impl Steps {
     }
 
     /// Steps, iterations, factorisations, cut-backs.
-    fn statistics(&self, py: Python<'_>) -> [u64; 4] {
+    fn statistics(&self, py: Python<'_>) -> PyResult<[u64; 4]> {
         self.read(py, |_, stepper| {
             let s = stepper.reached().statistics;
             [s.steps, s.iterations, s.factorizations, s.cutbacks]
@@ -394,14 +409,14 @@ impl Steps {
 
     /// Nodes of a set of the mesh.
     fn nodes_on<'py>(&self, py: Python<'py>, set: &str) -> PyResult<Bound<'py, PyArray1<u32>>> {
-        let nodes = self.read(py, |prepared, _| prepared.mesh.nodes_on(set));
+        let nodes = self.read(py, |prepared, _| prepared.mesh.nodes_on(set))?;
         let nodes = nodes.ok_or_else(|| PyKeyError::new_err(format!("the mesh has no set \"{set}\"")))?;
         Ok(nodes.into_pyarray(py))
     }
 
     /// Displacements of the nodes.
     fn displacements<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        rows(py, self.read(py, |prepared, stepper| job::nodal(&prepared.system, &stepper.state().u)))
+        rows(py, self.read(py, |prepared, stepper| job::nodal(&prepared.system, &stepper.state().u))?)
     }
 
     /// Positions of the nodes.
@@ -409,22 +424,22 @@ impl Steps {
         let of = |prepared: &Prepared, stepper: &dyn Stepper| {
             job::positions(&prepared.mesh, &prepared.system, &stepper.state().u, 1.0)
         };
-        rows(py, self.read(py, of))
+        rows(py, self.read(py, of)?)
     }
 
     /// Directors of the nodes.
     fn directors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        rows(py, self.read(py, |prepared, stepper| job::directors(&prepared.system, stepper.state(), None)))
+        rows(py, self.read(py, |prepared, stepper| job::directors(&prepared.system, stepper.state(), None))?)
     }
 
     /// Velocities of the nodes; zero in statics.
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        rows(py, self.read(py, |prepared, stepper| job::nodal(&prepared.system, &stepper.state().v)))
+        rows(py, self.read(py, |prepared, stepper| job::nodal(&prepared.system, &stepper.state().v))?)
     }
 
     /// Quadrilaterals of the mesh, by the numbers of their nodes.
     fn quads<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        let quads = self.read(py, |prepared, _| prepared.mesh.quads.clone());
+        let quads = self.read(py, |prepared, _| prepared.mesh.quads.clone())?;
         let number = quads.len();
         quads.into_flattened().into_pyarray(py).reshape([number, 4])
     }

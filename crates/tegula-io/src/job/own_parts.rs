@@ -6,10 +6,15 @@ use std::sync::Arc;
 use tegula::compile::Compiler;
 use tegula::load::FieldLoad;
 use tegula::material::MaterialLaw;
-use tegula::model::Imperfection;
+use tegula::model::{Imperfection, Load};
 use tegula::{Error, Issue, Mesh, Model};
 
 use crate::out::fingerprint;
+
+/// Characters that separate columns of files.
+const NOT_IN_NAMES: &str = ",;\"'`";
+/// Names of loads that the program adds: those of released supports and joints, and of inertia relief.
+const OF_PROGRAM: [&str; 2] = ["released", "inertia_relief"];
 
 /// Load of the caller on the nodes of a set, or on a body.
 #[derive(Debug, Clone)]
@@ -40,7 +45,7 @@ impl OwnParts {
     /// Compiler of a model with these parts.
     ///
     /// # Errors
-    /// Everything that is wrong with the model; a load whose set the model has not, or whose name is not its own.
+    /// Everything that is wrong with the model; a load whose set the model has not, or whose name is not its own or no part of a column.
     pub fn compiler<'a>(&self, model: &Model, mesh: &'a Mesh) -> tegula::Result<Compiler<'a>> {
         let mut compiler = Compiler::with_own_parts(model, mesh, &self.laws, !self.loads.is_empty())?;
         let mut issues: Vec<Issue> = self.refused_imperfections(model).into_iter().collect();
@@ -50,6 +55,7 @@ impl OwnParts {
                 let message = format!("two loads of the caller have the name \"{name}\"");
                 issues.push(Issue::new("loads", message, "give each a name of its own"));
             }
+            issues.extend(refused_name(name, &compiler));
             match vectors(&compiler, mesh, on) {
                 Ok(vectors) => compiler.add_field_load(name, vectors, load.clone()),
                 Err(reason) => issues.push(Issue::new(
@@ -84,6 +90,34 @@ impl OwnParts {
         let text: String = loads.chain(laws).collect();
         fingerprint([of_model.to_le_bytes().as_slice(), text.as_bytes()].concat())
     }
+}
+
+/// A name that cannot be part of the columns of the history, or that a load of the model has in one of its steps.
+fn refused_name(name: &str, compiler: &Compiler<'_>) -> Option<Issue> {
+    if name.trim().is_empty() || name.chars().any(|c| c.is_control() || NOT_IN_NAMES.contains(c)) {
+        return Some(Issue::new(
+            "loads",
+            format!("{name:?} cannot name a load of the caller"),
+            "it is part of the names of columns: give some letters, without commas, quotes and control characters",
+        ));
+    }
+    let of_model = |load: &Load| {
+        let (kind, on) = (load.kind(), load.on());
+        let own = if on.is_empty() { kind.to_owned() } else { format!("{kind}.{on}") };
+        // Those of one kind and set are numbered.
+        name == own || name.strip_prefix(&own).is_some_and(|rest| rest.starts_with('#'))
+    };
+    let of_program = OF_PROGRAM.iter().any(|own| {
+        name.strip_prefix(own).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '#']))
+    });
+    let is_taken = of_program || compiler.steps().iter().any(|step| step.model.loads.iter().any(of_model));
+    is_taken.then(|| {
+        Issue::new(
+            "loads",
+            format!("the load \"{name}\" of the caller has the name of a load of the model"),
+            format!("give it another name: both would have the column `load.{name}.fx`"),
+        )
+    })
 }
 
 /// Nodal vectors of the positions on which a load acts.
