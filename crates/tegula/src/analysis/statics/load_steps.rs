@@ -350,7 +350,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             reason: failure.told(system, state, target, critical.as_ref()),
             help: format!(
                 "{}The last equilibrium was at load factor {:.6}. {}",
-                if target <= 0.0 && self.is_before_first_load_factor() {
+                if target <= 0.0 && self.ramps_preload_alone() {
                     "From load factor -1 to 0 the preload of springs is ramped that are stressed in the reference configuration. "
                 } else if target <= 0.0 && state.time < 0.0 {
                     "From load factor -1 to 0 the loads and prescribed values grow to those of their amplitudes at 0. "
@@ -473,7 +473,7 @@ impl<S: TangentSolver> Stepper for LoadSteps<'_, S> {
                             self.refuse_one_of_many(target)?;
                             self.accept(target, &converged, observer);
                             iterations += converged.iterations;
-                            if !self.is_before_first_load_factor() {
+                            if !self.is_within_first_step() {
                                 return Ok(iterations);
                             }
                         }

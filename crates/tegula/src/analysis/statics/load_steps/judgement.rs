@@ -97,7 +97,7 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
             && !system.continues()
             && newton.assembly.strain_energy(system, &state.point(system)) > 0.0;
         // The ramp of their preload brings energy of its own.
-        let released = released.filter(|_| !self.ramps_preload());
+        let released = released.filter(|_| !self.ramps_preload_alone());
         let mut doubt = released.or(away).filter(|_| !preloaded);
         let mut away = None;
         if doubt.is_none() {

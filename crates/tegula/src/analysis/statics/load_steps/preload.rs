@@ -92,9 +92,14 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
         self.system.part_of_preload(self.state.time) != 1.0 && is_stressed(self.system)
     }
 
-    /// Whether the next load step begins in a ramp that belongs to the first one. An analysis that was interrupted in the ramp goes on there.
-    pub(super) fn is_before_first_load_factor(&self) -> bool {
+    /// Whether the preload is being ramped without loads. An analysis that was interrupted in the ramp goes on there.
+    pub(super) fn ramps_preload_alone(&self) -> bool {
         self.state.time < self.system.first_load_factor()
+    }
+
+    /// Whether the next load step begins in the ramp, which belongs to the first one: forces of springs are those of their whole preload in results.
+    pub(super) fn is_within_first_step(&self) -> bool {
+        self.state.time < 0.0 && (self.ramps_preload_alone() || self.ramps_preload())
     }
 
     /// Goes back to the first step from a stressed reference configuration where it had found an equilibrium and the preload could not be ramped, as that of
