@@ -60,7 +60,10 @@ fn to_vtkhdf(input: &Path, output: &Path) -> Result<(), Failure> {
     say!("{}: {instants} of {}", output.display(), exported.list.display());
     if exported.missing > 0 {
         let missing = counted(exported.missing as u64, "file");
-        terminal::report("warning", &format!("{missing} of the list not there: these instants are left out"));
+        terminal::report(
+            "warning",
+            &format!("the list names {missing} that cannot be found: these instants are left out"),
+        );
     }
     for other in &exported.others {
         say!("also there: {}, to be converted by its name", other.display());

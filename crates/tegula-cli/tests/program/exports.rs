@@ -36,7 +36,7 @@ fn results_are_converted_and_no_file_is_written_over() {
     // A removed file is left out, and told of.
     fs::remove_file(out.join("bodies/0001.vtu")).unwrap();
     let fewer = tegula(&["convert", text(&out), text(&file("c.vtkhdf"))]);
-    assert!(fewer.status.success() && errors(&fewer).contains("1 file of the list not there"));
+    assert!(fewer.status.success() && errors(&fewer).contains("the list names 1 file that cannot be found"));
 
     let table = file("a.parquet");
     let converted = tegula(&["convert", text(&out.join("history.csv")), text(&table)]);

@@ -174,7 +174,9 @@ impl SpringLaw {
         let Kind::Formula(formula) = &self.kind else { return None };
         let x = position - self.free;
         let Partials { value, by_position, .. } = formula.formula.partials([x, 0.0, time]);
-        let flat = if x == 0.0 { 0.0 } else { FLAT * (value / x).abs() };
+        // A gas spring has a force at its free length, too.
+        let at_rest = formula.formula.partials([0.0, 0.0, time]).value;
+        let flat = if x == 0.0 { 0.0 } else { FLAT * ((value - at_rest) / x).abs() };
         (by_position.is_finite() && by_position <= flat).then(|| {
             format!(
                 "the force law {} of {} has the stiffness {by_position:.3e} at x = {x:.6e}: its force does not grow there",

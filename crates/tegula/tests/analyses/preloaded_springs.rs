@@ -202,3 +202,21 @@ fn tension_of_wires_holds_a_bar_against_buckling() {
     let expected = 2.0 * 40.0 * 1.5 / 2.0;
     assert!((found[0].factor / expected - 1.0).abs() < 1e-9, "{} {expected}", found[0].factor);
 }
+
+/// Gas springs push at their free length, too, and their force grows with the length: an unstable equilibrium between two of them is not blamed on that.
+#[test]
+fn gas_springs_are_not_said_to_have_a_force_that_does_not_grow() {
+    let bodies = vec![body("mass", [0.0; 3], 1.0, None)];
+    let mut m = Model::of_bodies(Analysis::Static(StaticAnalysis::default()), bodies, Vec::new());
+    m.springs = [("left", -1.0), ("right", 1.0)]
+        .map(|(name, x)| SpringDamper {
+            force: Some("-40/(1.2-x)+100*x".into()),
+            ..spring(name, ["ground", "mass"], [[x, 0.0, 0.0], [0.0; 3]], 0.0)
+        })
+        .to_vec();
+    m.loads = vec![Load::Force(vector_load("mass", [0.0, 0.0, 5.0]))];
+    let (_, system) = compile(&m);
+    let refused = statics::run(&system, &static_options(&m), None, &mut Record::default());
+    let error = refused.map(|_| ()).unwrap_err().to_string();
+    assert!(!error.contains("does not grow") && error.contains("negative pivot"), "{error}");
+}
