@@ -214,10 +214,11 @@ impl Bushing {
         self.stiffness * ((d.strains[0] + d.strains[1]) * 0.5 - self.free * preload) + self.damping * d.rate
     }
 
-    /// Stored energy at the end of a motion.
-    pub(super) fn energy(&self, d: &Deformation) -> f64 {
+    /// Energy at the end of a motion whose derivatives the forces with this part of those in the reference configuration are.
+    pub(super) fn energy(&self, d: &Deformation, preload: f64) -> f64 {
         let strain = d.strains[1] - self.free;
-        0.5 * strain.dot(&(self.stiffness * strain))
+        let missing = (1.0 - preload) * d.strains[1].dot(&(self.stiffness * self.free));
+        0.5 * strain.dot(&(self.stiffness * strain)) + missing
     }
 
     /// Factors of the gradients of the forms in the forces `n·∂ε`.

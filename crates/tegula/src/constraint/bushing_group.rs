@@ -184,7 +184,7 @@ impl ElementGroup for BushingGroup {
 
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
         for (element, (bushing, energy)) in self.members.iter().zip(energies).enumerate() {
-            *energy = bushing.energy(&bushing.deformation(k, Self::committed(k, element)));
+            *energy = bushing.energy(&bushing.deformation(k, Self::committed(k, element)), k.preload);
         }
     }
 

@@ -194,11 +194,18 @@ impl Spring {
     /// Force at lengths and a rate, with the part of the force in the reference configuration that acts.
     fn force(&self, k: &GroupPoint, lengths: [f64; 2], rate: f64) -> Partials {
         let mut force = self.law.force(lengths, rate, k.time);
-        if k.preload != 1.0 {
-            let start = self.length(|v| Vec3::from(k.reference[v]));
-            force.value -= (1.0 - k.preload) * self.law.force([start; 2], 0.0, k.time).value;
+        if let Some((_, missing)) = self.missing_preload(k) {
+            force.value -= missing;
         }
         force
+    }
+
+    /// Length in the reference configuration and the part of the force there that does not act yet; `None` where all of it acts.
+    fn missing_preload(&self, k: &GroupPoint) -> Option<(f64, f64)> {
+        (k.preload != 1.0).then(|| {
+            let start = self.length(|v| Vec3::from(k.reference[v]));
+            (start, (1.0 - k.preload) * self.law.force([start; 2], 0.0, k.time).value)
+        })
     }
 
     /// Writes the forces on the nodal vectors that do the work of a force on the vector between the points, or across the axis.
@@ -382,7 +389,9 @@ impl ElementGroup for SpringGroup {
 
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
         for (spring, energy) in self.members.iter().zip(energies) {
-            *energy = spring.law.energy(spring.motion(k).lengths[1]);
+            let length = spring.motion(k).lengths[1];
+            let missing = spring.missing_preload(k).map_or(0.0, |(start, force)| force * (length - start));
+            *energy = spring.law.energy(length) - missing;
         }
     }
 

@@ -135,10 +135,13 @@ impl TorsionSpring {
     /// Moment of a motion, with the part of the moment in the reference configuration that acts.
     fn moment(&self, turn: &Turn, k: &GroupPoint) -> Partials {
         let mut moment = self.law.force(turn.angles, turn.rate, k.time);
-        if k.preload != 1.0 {
-            moment.value -= (1.0 - k.preload) * self.law.force([0.0; 2], 0.0, k.time).value;
-        }
+        moment.value -= self.missing_preload(k);
         moment
+    }
+
+    /// Part of the moment in the reference configuration that does not act yet.
+    fn missing_preload(&self, k: &GroupPoint) -> f64 {
+        if k.preload == 1.0 { 0.0 } else { (1.0 - k.preload) * self.law.force([0.0; 2], 0.0, k.time).value }
     }
 
     /// Angle (rad) and moment in a state; at the mean rate of the last step where it began at the motion `before` and had this length.
@@ -286,7 +289,7 @@ impl ElementGroup for TorsionSpringGroup {
     fn energies(&self, k: &GroupPoint, energies: &mut [f64]) {
         for (number, (spring, energy)) in self.members.iter().zip(energies).enumerate() {
             let [_, angle] = spring.turn(k, number).angles;
-            *energy = spring.law.energy(angle);
+            *energy = spring.law.energy(angle) - spring.missing_preload(k) * angle;
         }
     }
 

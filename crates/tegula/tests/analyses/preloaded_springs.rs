@@ -220,3 +220,67 @@ fn gas_springs_are_not_said_to_have_a_force_that_does_not_grow() {
     let error = refused.map(|_| ()).unwrap_err().to_string();
     assert!(!error.contains("does not grow") && error.contains("negative pivot"), "{error}");
 }
+
+/// A mass between two springs of the stiffnesses 100 and 50, with these free lengths over lengths of 1, and four soft springs across.
+fn between_springs(free: [f64; 2], force: f64, amplitude: Option<&str>) -> Model {
+    let mass = body("mass", [0.0; 3], 1.0, None);
+    let mut m = Model::of_bodies(Analysis::Static(StaticAnalysis::default()), vec![mass], Vec::new());
+    let along = [("left", -1.0, 100.0, free[0]), ("right", 1.0, 50.0, free[1])].map(|(name, x, k, free)| {
+        let mut along = spring(name, ["ground", "mass"], [[x, 0.0, 0.0], [0.0; 3]], k);
+        along.length = Some(free);
+        along
+    });
+    let across =
+        [("a", [0.0, -1.0, 0.0]), ("b", [0.0, 1.0, 0.0]), ("c", [0.0, 0.0, -1.0]), ("d", [0.0, 0.0, 1.0])]
+            .map(|(name, from)| spring(name, ["ground", "mass"], [from, [0.0; 3]], 10.0));
+    m.springs = along.into_iter().chain(across).collect();
+    m.amplitudes = [("full".to_owned(), Amplitude::Constant(ConstantAmplitude { value: 1.0 }))].into();
+    let load =
+        VectorLoad { amplitude: amplitude.map(str::to_owned), ..vector_load("mass", [force, 0.0, 0.0]) };
+    m.loads = vec![Load::Force(load)];
+    m
+}
+
+/// A load that acts fully from the start enters the ramp of the preload: the mass comes to
+/// `150 x + 40 x (1 − 1/√(1 + x²)) = 50 (1 − l₂) − 100 (1 − l₁) + F`.
+#[test]
+fn preloads_are_ramped_beside_loads_of_constant_amplitude() {
+    for free in [[0.5, 0.8], [0.9, 0.1], [0.9, 0.5], [0.8, 0.5]] {
+        for force in [-5.0, 5.0] {
+            for amplitude in [None, Some("full")] {
+                let m = between_springs(free, force, amplitude);
+                let (_, system) = compile(&m);
+                let mut record = Record::default();
+                let state = statics::run(&system, &static_options(&m), None, &mut record)
+                    .unwrap_or_else(|error| panic!("{free:?} {force}: {error} {:?}", record.events))
+                    .state;
+                let x = centre(&system, &state, "mass").x;
+                let along = 50.0 * (1.0 - free[1]) - 100.0 * (1.0 - free[0]) + force - 150.0 * x;
+                let across = 40.0 * x * (1.0 - 1.0 / 1.0_f64.hypot(x));
+                assert!((along - across).abs() < 1e-8, "{free:?} {force}: {x} {along:e} {across:e}");
+            }
+        }
+    }
+}
+
+/// A torsion spring that is wound by more than a turn against the weight of an arm: `c (θ₀ − θ) + m g l cos θ = 0` has one solution.
+#[test]
+fn torsion_springs_are_wound_beside_a_weight_of_constant_amplitude() {
+    for amplitude in [None, Some("full")] {
+        let hinge = revolute("hinge", "ground", "arm", [0.0; 3], [0.0, 1.0, 0.0]);
+        let arm = body("arm", [0.5, 0.0, 0.0], 1.0, Some([1.0; 3]));
+        let mut m = Model::of_bodies(Analysis::Static(StaticAnalysis::default()), vec![arm], vec![hinge]);
+        let mut wound = torsion_spring(["ground", "arm"], [0.0, 1.0, 0.0], 10.0);
+        wound.free_angle = -400.0;
+        m.torsion_springs = vec![wound];
+        m.amplitudes = [("full".to_owned(), Amplitude::Constant(ConstantAmplitude { value: 1.0 }))].into();
+        let weight = vector_load("arm", [0.0, 0.0, -9.81]);
+        m.loads = vec![Load::Force(VectorLoad { amplitude: amplitude.map(str::to_owned), ..weight })];
+        let (_, system) = compile(&m);
+        let state = statics::run(&system, &static_options(&m), None, &mut Record::default()).unwrap().state;
+        let angle = (-centre(&system, &state, "arm").z).atan2(centre(&system, &state, "arm").x);
+        let angle = angle - std::f64::consts::TAU;
+        let moment = 10.0 * (-400_f64.to_radians() - angle) + 9.81 * 0.5 * angle.cos();
+        assert!(moment.abs() < 1e-7, "{amplitude:?}: {} {moment:e}", angle.to_degrees());
+    }
+}
