@@ -14,7 +14,7 @@ use pyo3::exceptions::{PyRecursionError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use tegula::element::Nodal;
-use tegula::load::{Dependence, FieldLoad, LoadPoint};
+use tegula::load::{Dependence, FieldLoad, LoadPoint, MotionPart, node_of_wrong_stiffness};
 use tegula::material::{MaterialLaw, Response, Strain};
 use tegula::{Mat3, Vec3};
 use tegula_io::job::{OwnLoad, OwnParts};
@@ -127,6 +127,7 @@ impl Own {
                 forces: forces.clone_ref(py),
                 stiffness: copy(stiffness),
                 damping: copy(damping),
+                is_checked: AtomicBool::new(false),
                 raised: raised.clone(),
             };
             OwnLoad { name: name.clone(), on: on.clone(), load: Arc::new(load) }
@@ -154,6 +155,8 @@ struct PythonLoad {
     forces: Py<PyAny>,
     stiffness: Option<Py<PyAny>>,
     damping: Option<Py<PyAny>>,
+    /// Whether stiffness and damping have been found to be derivatives of the forces.
+    is_checked: AtomicBool,
     raised: Raised,
 }
 
@@ -188,6 +191,22 @@ impl PythonLoad {
             out.as_flattened_mut().copy_from_slice(given.finite(&what, 3)?);
             Ok(())
         })
+    }
+
+    /// Refuses functions of the stiffness and the damping that are no derivatives of the forces.
+    fn check(&self, at: &LoadPoint) -> PyResult<()> {
+        let damped = self.damping.is_some().then_some((MotionPart::Velocities, "damping", "velocity"));
+        let parts = [Some((MotionPart::Positions, "stiffness", "position")), damped];
+        for (part, what, of) in parts.into_iter().flatten() {
+            if let Some(row) = node_of_wrong_stiffness(self, at, part) {
+                return Err(PyValueError::new_err(format!(
+                    "the {what} of the load \"{}\" is not the derivative of its forces, with the other sign: row {row} at t = {} differs from \
+                     -df/dx of its own {of} x by differences; correct it, or leave it out for differences",
+                    self.name, at.time
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// Adds the blocks of a function, times a weight.
@@ -232,6 +251,11 @@ impl FieldLoad for PythonLoad {
             if !done {
                 return out.fill(Mat3::repeat(f64::NAN));
             }
+        }
+        // Blocks of zero tell nothing, such as those of a contact that is open.
+        let tells = out.iter().any(|block| *block != Mat3::zeros());
+        if tells && !self.is_checked.swap(true, Ordering::AcqRel) {
+            self.raised.keep(self.check(at));
         }
     }
 }

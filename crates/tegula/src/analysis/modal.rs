@@ -172,7 +172,7 @@ fn modes_about(
     observer: &mut dyn Observer,
 ) -> Result<(ModalOutcome, bool)> {
     if let Some(state) = equilibrium {
-        circulatory::refuse_coupled_loads(problem.system, state)?;
+        circulatory::refuse_loads_of_unknown_stiffness(problem.system, state)?;
     }
     let spin =
         equilibrium.and_then(|state| Spin::of(problem.system, state.time)).filter(|spin| spin.omega != 0.0);

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::element::Nodal;
-use crate::norm::larger;
+use crate::norm::{larger, max_norm};
 use crate::{Mat3, Vec3};
 
 /// Increment of a difference quotient over the size of the model: the square root of round-off, 2⁻²⁶.
@@ -12,6 +12,11 @@ const DIFFERENCE: f64 = 1.490_116_119_384_765_6e-8;
 
 /// Change of the force on a node at rest over the largest change, when other nodes move, that is round-off.
 const ALONE: f64 = 1e-6;
+
+/// Error of a block of the stiffness over the largest one that is a mistake; differences have errors of about 1e-8.
+const WRONG: f64 = 1e-3;
+/// Round-off of the difference of two forces, over the force.
+const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 
 /// Quantities of which the forces of a [`FieldLoad`] are functions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -79,6 +84,73 @@ pub fn stiffness_by_differences<L: FieldLoad + ?Sized>(
             block.set_column(axis, &(change / (DIFFERENCE * at.length)));
         }
     }
+}
+
+/// Part of the motion of nodes by which forces are differentiated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MotionPart {
+    /// Positions.
+    Positions,
+    /// Velocities.
+    Velocities,
+}
+
+/// Node whose block of [`FieldLoad::stiffness`] is not the derivative of its force by its own position or velocity, by differences to both sides: at a
+/// kink of the force one of them counts.
+///
+/// All nodes move together; where the blocks do not agree, which the motion of other nodes may cause, the node with the largest error moves alone.
+pub fn node_of_wrong_stiffness<L: FieldLoad + ?Sized>(
+    load: &L,
+    at: &LoadPoint,
+    part: MotionPart,
+) -> Option<usize> {
+    let n = at.positions.len();
+    let weights = if part == MotionPart::Positions { [1.0, 0.0] } else { [0.0, 1.0] };
+    let (mut blocks, mut before) = (vec![Mat3::zeros(); n], vec![[0.0; 3]; n]);
+    load.stiffness(at, weights, &mut blocks);
+    load.forces(at, &mut before);
+    let step = DIFFERENCE * at.length;
+    let noise = ROUND_OFF * max_norm(before.as_flattened().iter().copied()) / step;
+    // Largest error of the columns of each node that moves, and the largest entry.
+    let errors = |moves: &dyn Fn(usize) -> bool| {
+        let (mut errors, mut size) = (vec![0.0; n], 0.0);
+        for axis in 0..3 {
+            let sides = [1.0, -1.0].map(|sign| {
+                let shifted = |values: &[Vec3], weight: f64| -> Vec<Vec3> {
+                    let shift = |(node, x): (usize, &Vec3)| {
+                        if moves(node) { x + Vec3::ith(axis, sign * weight * step) } else { *x }
+                    };
+                    values.iter().enumerate().map(shift).collect()
+                };
+                let (positions, velocities) =
+                    (shifted(at.positions, weights[0]), shifted(at.velocities, weights[1]));
+                let mut forces = vec![[0.0; 3]; n];
+                load.forces(
+                    &LoadPoint { positions: &positions, velocities: &velocities, ..*at },
+                    &mut forces,
+                );
+                forces
+                    .iter()
+                    .zip(&before)
+                    .map(|(f, b)| (Vec3::from(*b) - Vec3::from(*f)) * (sign / step))
+                    .collect::<Vec<_>>()
+            });
+            for node in (0..n).filter(|node| moves(*node)) {
+                let column = blocks[node].column(axis);
+                let off = sides.each_ref().map(|side| (column - side[node]).norm());
+                errors[node] = larger(errors[node], off[0].min(off[1]));
+                size = larger(size, larger(column.norm(), sides[0][node].norm()));
+            }
+        }
+        (errors, WRONG * size + noise)
+    };
+    let (together, tolerance) = errors(&|_| true);
+    let worst = (0..n).max_by(|a, b| together[*a].total_cmp(&together[*b]))?;
+    if together[worst] <= tolerance {
+        return None;
+    }
+    let (alone, tolerance) = errors(&|node| node == worst);
+    (alone[worst] > tolerance).then_some(worst)
 }
 
 /// [`FieldLoad`] on nodal vectors, with the values of its last evaluation.
@@ -172,6 +244,14 @@ impl LoadOnNodes {
         let [at_rest, moved] =
             changes.fold([0.0; 2], |all, found| [larger(all[0], found[0]), larger(all[1], found[1])]);
         at_rest > ALONE * larger(at_rest, moved)
+    }
+
+    /// Whether the blocks of [`FieldLoad::stiffness`] are other than the derivatives of the forces by the positions.
+    pub fn has_wrong_stiffness(&self, time: f64, motion: [Vec<Vec3>; 2], length: f64) -> bool {
+        let [positions, velocities] = &motion;
+        let at = LoadPoint { time, positions, velocities, length };
+        self.dependence() != Dependence::Time
+            && node_of_wrong_stiffness(self.load.as_ref(), &at, MotionPart::Positions).is_some()
     }
 
     /// Last evaluation, or a new one where it was elsewhere.

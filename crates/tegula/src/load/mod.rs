@@ -17,7 +17,10 @@ pub use crate::model::NodalLoad;
 pub use amplitude::TimeFunction;
 pub use centrifugal::CentrifugalLoad;
 pub use factor::{LoadFactor, LoadParameter};
-pub use field::{Dependence, FieldLoad, LoadOnNodes, LoadPoint, stiffness_by_differences};
+pub use field::{
+    Dependence, FieldLoad, LoadOnNodes, LoadPoint, MotionPart, node_of_wrong_stiffness,
+    stiffness_by_differences,
+};
 pub use follower::FollowerLoad;
 pub use formula::{ForceFormula, Formula, Partials, PlaceCondition, PlaceFormula};
 pub use own::OwnLoad;

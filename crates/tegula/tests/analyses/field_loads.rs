@@ -243,3 +243,47 @@ fn modes_are_refused_where_forces_depend_on_other_nodes() {
     let refused = modes(Arc::new(Between)).map(|_| ()).unwrap_err().to_string();
     assert!(refused.contains("the load \"springs\" depend on the motion of other nodes"), "{refused}");
 }
+
+/// Springs whose stiffness is given wrong by a factor.
+#[derive(Debug)]
+struct WrongStiffness {
+    springs: Springs,
+    factor: f64,
+}
+
+impl FieldLoad for WrongStiffness {
+    fn dependence(&self) -> Dependence {
+        Dependence::Positions
+    }
+
+    fn forces(&self, at: &LoadPoint, out: &mut [Nodal]) {
+        self.springs.forces(at, out);
+    }
+
+    fn stiffness(&self, _: &LoadPoint, weights: [f64; 2], out: &mut [tegula::Mat3]) {
+        let share = self.factor * weights[0] * self.springs.stiffness / out.len() as f64;
+        out.fill(tegula::Mat3::zeros());
+        out.iter_mut().for_each(|block| block[(2, 2)] = share);
+    }
+}
+
+#[test]
+fn modes_are_refused_where_the_stiffness_is_not_the_derivative_of_the_forces() {
+    let analysis = Analysis::Modal(ModalAnalysis { prestressed: true, ..ModalAnalysis::new(1) });
+    let m = Model { analysis, ..cantilever(1e-3) };
+    let mesh = generate(&m.mesh).unwrap();
+    let modes = |factor: f64| {
+        let springs = Springs { stiffness: 100.0, ..Springs::default() };
+        let system = with_load(&m, &mesh, "u_max", Arc::new(WrongStiffness { springs, factor })).unwrap();
+        let state = modal::prestress(&system, &mut Silent).unwrap().state;
+        modal::run(&system, 1, Some(&state), &mut Silent).map(|_| ())
+    };
+    assert!(modes(1.0).is_ok());
+    for factor in [0.0, 0.99, 10.0, -1.0] {
+        let refused = modes(factor).unwrap_err().to_string();
+        assert!(
+            refused.contains("stiffness that the load \"springs\" gives is not the derivative"),
+            "{refused}"
+        );
+    }
+}

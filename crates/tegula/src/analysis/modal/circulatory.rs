@@ -35,23 +35,34 @@ pub(super) fn stiffness(system: &System, equilibrium: &State) -> Option<Circulat
     (!have_potential(system, &place, skew.clone(), &[])).then_some(skew)
 }
 
-/// Refuses loads of a caller whose forces depend on the positions of other nodes than their own: modes would lack this part of their stiffness.
+/// Refuses loads of a caller whose stiffness is not known: their forces depend on the positions of other nodes than their own, or the blocks that they
+/// give are not the derivatives of their forces. Modes would have a wrong stiffness.
 ///
 /// # Errors
 /// There is such a load.
-pub(super) fn refuse_coupled_loads(system: &System, equilibrium: &State) -> Result<()> {
+pub(super) fn refuse_loads_of_unknown_stiffness(system: &System, equilibrium: &State) -> Result<()> {
     let motion = Motion::State { u: &equilibrium.u, velocity: None };
-    let couples = |load: &crate::load::LoadOnNodes| {
-        load.couples_nodes(equilibrium.time, system.motion_of_load(&motion, load), system.length)
-    };
-    let Some((_, _, number)) = system.field_loads().find(|(load, ..)| couples(load)) else { return Ok(()) };
-    let name = &system.load_sets[system.load_of_follower[number]].name;
-    Err(Error::Singular {
-        what: format!(
-            "The forces of the load \"{name}\" depend on the motion of other nodes than those on which they act: this part of their stiffness is not known."
-        ),
-        help: "Use springs or bushings of the model between the nodes, or run a transient analysis about the equilibrium.".into(),
-    })
+    for (load, _, number) in system.field_loads() {
+        let name = &system.load_sets[system.load_of_follower[number]].name;
+        let now = || system.motion_of_load(&motion, load);
+        if load.couples_nodes(equilibrium.time, now(), system.length) {
+            return Err(Error::Singular {
+                what: format!(
+                    "The forces of the load \"{name}\" depend on the motion of other nodes than those on which they act: this part of their stiffness is not known."
+                ),
+                help: "Use springs or bushings of the model between the nodes, or run a transient analysis about the equilibrium.".into(),
+            });
+        }
+        if load.has_wrong_stiffness(equilibrium.time, now(), system.length) {
+            return Err(Error::Singular {
+                what: format!(
+                    "The stiffness that the load \"{name}\" gives is not the derivative of its forces by the positions, with the other sign."
+                ),
+                help: "Correct the function of the stiffness, or leave it out: differences of the forces take its place.".into(),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Refusal of circulatory follower loads on models with joints.
