@@ -9,11 +9,6 @@ use tegula_io::render::{self, At, Drawing, Encoding};
 
 use crate::report::Failure;
 
-/// Largest number of pixels along a side.
-const MOST_PIXELS: u32 = 4096;
-/// Least number of pixels along a side, in which title and colours have room.
-const LEAST_PIXELS: u32 = 200;
-
 /// Arguments of `tegula render`.
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -100,12 +95,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn drawing(arguments: &Arguments) -> Result<Drawing, Failure> {
     let Arguments { field, at, mode, view, scale, range, size, .. } = arguments;
-    let sides = [size.0, size.1];
-    if sides.iter().any(|side| !(LEAST_PIXELS..=MOST_PIXELS).contains(side)) {
-        return Err(Failure::Usage(format!(
-            "--size {},{}: give {LEAST_PIXELS} to {MOST_PIXELS} pixels",
-            size.0, size.1
-        )));
+    let ([fewest, most], sides) = (tegula::model::PIXELS, [size.0, size.1]);
+    if sides.iter().any(|side| !(fewest..=most).contains(side)) {
+        return Err(Failure::Usage(format!("--size {},{}: give {fewest} to {most} pixels", size.0, size.1)));
     }
     if range.is_some_and(|range| !(range.0 < range.1)) {
         return Err(Failure::Usage("--range: the first value must be below the second".into()));

@@ -7,7 +7,7 @@ use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyRecursionError, PyValueError};
@@ -137,7 +137,7 @@ impl Own {
                 name: name.clone(),
                 function: function.clone_ref(py),
                 is_rubber: *is_rubber,
-                is_checked: AtomicBool::new(false),
+                at_rest: OnceLock::new(),
                 raised: raised.clone(),
             };
             (name.clone(), Arc::new(law) as Arc<dyn MaterialLaw>)
@@ -265,8 +265,8 @@ struct PythonLaw {
     name: String,
     function: Py<PyAny>,
     is_rubber: bool,
-    /// Whether energy, stress and tangent have been found to be derivatives of each other.
-    is_checked: AtomicBool,
+    /// Energy without strain, once energy, stress and tangent have been found to be derivatives of each other.
+    at_rest: OnceLock<f64>,
     raised: Raised,
 }
 
@@ -280,28 +280,29 @@ impl fmt::Debug for PythonLaw {
 }
 
 impl PythonLaw {
-    /// Responses at strains; before the first ones the law is checked.
+    /// Responses at strains; before the first ones the law is checked. Energies are those above the one without strain.
     fn evaluate(&self, strains: &[Strain]) -> PyResult<Vec<Option<Response>>> {
-        if !self.is_checked.load(Ordering::Acquire) {
-            self.check()?;
-            self.is_checked.store(true, Ordering::Release);
-        }
-        self.responses(strains).map(|(responses, _)| responses)
+        let at_rest = match self.at_rest.get() {
+            Some(known) => *known,
+            None => {
+                let found = self.check()?;
+                *self.at_rest.get_or_init(|| found)
+            }
+        };
+        let (mut responses, _) = self.responses(strains)?;
+        responses.iter_mut().flatten().for_each(|response| response.energy -= at_rest);
+        Ok(responses)
     }
 
-    /// Refuses a law whose stress is no derivative of its energy, or whose tangent is none of its stress.
-    fn check(&self) -> PyResult<()> {
-        match self.responses(&consistency::strains())? {
-            (responses, false) => match consistency::mistake(&responses) {
-                Some(mistake) => {
-                    let name = &self.name;
-                    Err(PyValueError::new_err(format!("the law of material \"{name}\" {mistake}")))
-                }
-                None => Ok(()),
-            },
-            // Differences of numbers of single precision are round-off.
-            (_, true) => Ok(()),
+    /// Energy without strain. Refuses a law whose stress is no derivative of its energy, or whose tangent is none of its stress.
+    fn check(&self) -> PyResult<f64> {
+        let (responses, is_coarse) = self.responses(&consistency::strains())?;
+        // Differences of numbers of single precision are round-off.
+        if let Some(mistake) = consistency::mistake(&responses).filter(|_| !is_coarse) {
+            let name = &self.name;
+            return Err(PyValueError::new_err(format!("the law of material \"{name}\" {mistake}")));
         }
+        Ok(responses.first().and_then(Option::as_ref).map_or(0.0, |response| response.energy))
     }
 
     /// Responses at strains, and whether they are of less than double precision.
@@ -362,7 +363,9 @@ impl PythonLaw {
             ));
         }
         if *at == Strain::zeros() && response.stress.amax() > UNSYMMETRIC * size {
-            return refuse("has a stress without strain, and a body at rest has none");
+            return refuse(
+                "has a stress without strain, and a body at rest has none: give `prestress` or `natural` strains of the model file",
+            );
         }
         Ok(Some(response))
     }

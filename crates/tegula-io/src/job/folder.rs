@@ -207,6 +207,9 @@ impl ResultFolder {
         for point in earlier.points.keys() {
             remove(&self.path.join(format!("point_{point}.png")))?;
         }
+        for still in earlier.stills.iter().filter(|name| is_inside(name)) {
+            remove(&self.path.join(still))?;
+        }
         let analyses = earlier.analyses.iter().map(|step| &step.folder);
         let branches = earlier.branches.iter().map(|branch| &branch.folder);
         analyses.chain(branches).try_for_each(|folder| self.clear_step(folder))
@@ -215,9 +218,7 @@ impl ResultFolder {
     /// Removes the results of an analysis step or of a branch, in a folder of its own, as far as they are of this program.
     fn clear_step(&self, folder: &str) -> Result<(), JobError> {
         let path = self.path.join(folder);
-        // A summary that was changed by hand must not lead elsewhere.
-        let inside = Path::new(folder).components().all(|c| matches!(c, std::path::Component::Normal(_)));
-        if !inside || !path.is_dir() {
+        if !is_inside(folder) || !path.is_dir() {
             return Ok(());
         }
         if let Some(summary) = earlier(&path)? {
@@ -372,6 +373,11 @@ fn is_temporary(entry: &fs::DirEntry) -> bool {
     let name = entry.file_name();
     let name = name.to_string_lossy();
     name.starts_with(".tegula-") && name.ends_with(".part") && entry.file_type().is_ok_and(|t| t.is_file())
+}
+
+/// Whether a path leads nowhere but into the folder to which it is relative, as a summary that was changed by hand may not.
+fn is_inside(path: &str) -> bool {
+    Path::new(path).components().all(|c| matches!(c, std::path::Component::Normal(_)))
 }
 
 fn remove(path: &Path) -> Result<(), OutputError> {

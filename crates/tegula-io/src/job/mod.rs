@@ -46,6 +46,7 @@ mod run;
 mod series;
 mod snapshots;
 mod steps;
+mod stills;
 mod summary;
 
 use std::path::PathBuf;

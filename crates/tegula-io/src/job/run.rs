@@ -11,7 +11,7 @@ use super::resume::CheckpointData;
 use super::summary::StopResult;
 use super::{
     AssemblyResult, Claim, Energy, JobError, JobObserver, JobOptions, OwnParts, Prepared, ResultFolder,
-    Start, Status, Summary, branches, buckling, modal, pictures, prepare_with, steps,
+    Start, Status, Summary, branches, buckling, modal, pictures, prepare_with, steps, stills,
 };
 use crate::deck::{Deck, Diagnostic};
 use crate::out::OutputError;
@@ -54,12 +54,14 @@ pub(super) fn run_prepared(
     watch: &mut dyn JobObserver,
 ) -> Result<Summary, JobError> {
     let done = run_one(deck, (prepared, &prepared.warnings), options, watch)?;
-    match &deck.model.analysis {
+    let done = match &deck.model.analysis {
         Analysis::Path(path) if path.branches.is_some() => {
-            branches::run((deck, path), prepared, options, (done, watch))
+            branches::run((deck, path), prepared, options, (done, watch))?
         }
-        _ => Ok(done),
-    }
+        _ => done,
+    };
+    stills::draw(deck, options, watch);
+    Ok(done)
 }
 
 /// Runs the one analysis of a model that is prepared, with warnings of its model.
@@ -247,6 +249,7 @@ pub(super) fn summary(deck: &Deck, prepared: &Prepared, start: &Start) -> Summar
         load_factors: None,
         sturm_checked: None,
         analyses: Vec::new(),
+        stills: deck.model.output.stills.iter().map(|still| still.file.clone()).collect(),
         wall_s: 0.0,
         cpu_s: None,
         peak_memory_bytes: None,

@@ -270,6 +270,9 @@ pub struct Summary {
     /// Analyses that follow one another, each with results in a folder of its own; empty where there is one only.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub analyses: Vec<StepSummary>,
+    /// Files of the stills that the model asks for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stills: Vec<String>,
     /// Time on the clock, those of resumed parts added (s).
     pub wall_s: f64,
     /// Processor time of all threads, user and system (s); null where it is not known.

@@ -10,6 +10,7 @@ mod inputs;
 mod mesh_parts;
 mod response;
 mod steps;
+mod stills;
 mod stop_conditions;
 
 use std::cell::Cell;

@@ -202,7 +202,7 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 /// A temporary file with the rights that an ordinary new file would have.
-fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+pub(crate) fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".tegula-").suffix(".part");
     #[cfg(unix)]

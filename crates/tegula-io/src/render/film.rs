@@ -4,6 +4,7 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use crate::out::file::temporary_in;
 use crate::out::{Destination, OutputError, write_whole};
 use crate::plot::{SurfacePlot, surfaces::pixels};
 
@@ -111,12 +112,14 @@ fn mp4(
         return Err(refused("an MP4 film goes into a file, not into a folder, device or pipe".into()));
     };
     let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let kept = tempfile::Builder::new().prefix(".film").suffix(".mp4").tempfile_in(folder);
+    let kept = temporary_in(folder);
     let kept = kept.map_err(|error| refused(format!("it cannot be written: {error}")))?.into_temp_path();
     let mut command = Command::new("ffmpeg");
     command.args(["-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]);
     command.args(["-s", &format!("{width}x{height}"), "-r", &rate.to_string(), "-i", "-", "-an"]);
-    command.args(["-c:v", "libx264", "-pix_fmt", "yuv420p", "-movflags", "+faststart"]).arg(&kept);
+    command
+        .args(["-c:v", "libx264", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4"])
+        .arg(&kept);
     let child = command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
     let mut child = child.map_err(|error| {
         refused(format!("the program `ffmpeg` cannot be started ({error}): install it, or write a film that ends with .gif"))

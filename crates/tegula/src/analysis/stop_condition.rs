@@ -14,6 +14,8 @@ use crate::{Error, Result};
 
 /// Distance from the value at the end, over the change of the column in the whole step.
 const TOLERANCE: f64 = 1e-6;
+/// Distance from the value at the end, over the change of the column in the last step, that is told.
+const MISSED: f64 = 1e-2;
 /// Shortest repeated step, over the whole one: at a finite rate the column has not moved by more than the tolerance.
 const SHORTEST: f64 = TOLERANCE;
 /// Bracket of the crossing, over the whole step, at which a column that jumps is met.
@@ -145,6 +147,14 @@ impl<'a> StopWatch<'a> {
             "{:.9e}: the analysis ends here, as `{}` has crossed {}: it is {:.9e} ({repeats} repeats of the last step)",
             stopped.time, stopped.column, stopped.value, stopped.reached
         ));
+        let change = (stopped.reached - self.start.watched.values[met]).abs();
+        if (stopped.reached - stopped.value).abs() > MISSED * change {
+            observer.on_warning(&format!(
+                "{:.9e}: the analysis ends here, where `{}` is {:.9e}: it has passed {} within a step that cannot end there, as it jumps or preloads \
+                 of springs are ramped",
+                stopped.time, stopped.column, stopped.reached, stopped.value
+            ));
+        }
         stepper.watch(&Watched { values: end.values, met: Some(met) });
         self.stopped = Some(stopped);
         Ok(iterations)

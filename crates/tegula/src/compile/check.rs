@@ -98,6 +98,7 @@ fn keys_of(model: &Model, joints: &[Joint], continues: bool) -> Vec<Issue> {
     c.analysis(model, continues);
     c.issues.extend(amplitudes::amplitudes(model));
     names_of_points(model, &mut c);
+    super::stills::keys(model, &mut c);
     for (key, name) in model.output.units.named() {
         if name.is_empty() || name.chars().count() > LONGEST_UNIT || name.chars().any(char::is_control) {
             c.add(

@@ -42,6 +42,7 @@ mod step_joints;
 mod step_loads;
 mod step_start;
 mod steps;
+mod stills;
 mod ties;
 mod turning;
 mod turning_nodes;

@@ -30,6 +30,7 @@ mod second_side;
 pub mod section;
 mod sensor;
 mod spring;
+mod still;
 pub mod supports;
 pub mod surface;
 mod tie;
@@ -81,6 +82,7 @@ pub use sensor::{
     AngleSensor, DistanceSensor, PointSensor, ReactionSensor, Sensor, StrainSensor, VolumeSensor,
 };
 pub use spring::{SpringDamper, TorsionSpring};
+pub use still::{PIXELS, Still};
 pub use supports::Condition;
 pub use surface::TriangulatedSurface;
 pub use tie::Tie;
@@ -388,6 +390,9 @@ pub struct Output {
     /// Draw pictures (`*.png`) at the end of the run; true unless given.
     #[serde(default = "yes")]
     pub pictures: bool,
+    /// Pictures whose field, view and scale are given, in addition to `pictures`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stills: Vec<Still>,
 }
 
 impl Default for Output {
@@ -402,6 +407,7 @@ impl Default for Output {
             deformed: false,
             units: Units::default(),
             pictures: true,
+            stills: Vec::new(),
         }
     }
 }

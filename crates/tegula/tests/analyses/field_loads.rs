@@ -287,3 +287,46 @@ fn modes_are_refused_where_the_stiffness_is_not_the_derivative_of_the_forces() {
         );
     }
 }
+
+/// Dry friction by the sign of the velocity.
+#[derive(Debug)]
+struct DryFriction;
+
+impl FieldLoad for DryFriction {
+    fn dependence(&self) -> Dependence {
+        Dependence::Velocities
+    }
+
+    fn forces(&self, at: &LoadPoint, out: &mut [Nodal]) {
+        out.iter_mut().zip(at.velocities).for_each(|(f, v)| *f = v.map(|v| -3.0 * v.signum()).into());
+    }
+}
+
+/// Asks to stop at the first warning.
+#[derive(Default)]
+struct StopsAtWarning(Vec<String>);
+
+impl Observer for StopsAtWarning {
+    fn on_step(&mut self, _: &Step) -> tegula::Result<()> {
+        Ok(())
+    }
+
+    fn on_warning(&mut self, message: &str) {
+        self.0.push(message.into());
+    }
+
+    fn interrupted(&self) -> bool {
+        !self.0.is_empty()
+    }
+}
+
+/// Where friction by the sign of the velocity has stopped a mass, steps become as short as round-off allows: it is told why.
+#[test]
+fn steps_that_a_jump_of_a_force_makes_ever_shorter_are_told() {
+    let point = RigidBody { velocity: [0.0, 0.0, -1.0], ..body("mass", [0.0; 3], 1.0, None) };
+    let (system, options, _) = mass_under("energy-momentum", point, [1.0, 5e-3], Arc::new(DryFriction));
+    let mut warned = StopsAtWarning::default();
+    let outcome = dynamics::run(&system, &options, None, &mut warned);
+    assert!(matches!(outcome, Err(Error::Interrupted)), "{:?}", warned.0);
+    assert!(warned.0[0].contains("a force of own may jump with the motion"), "{:?}", warned.0);
+}

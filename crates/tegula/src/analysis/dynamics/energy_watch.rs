@@ -78,6 +78,11 @@ impl SuppliedEnergy {
         Self { stored, potential: start.potential, largest: stored }
     }
 
+    /// Counts the work of the loads up to a state whose balance is not known.
+    pub fn count_work(&mut self, work: f64) {
+        self.largest = larger(self.largest, self.stored + work.abs());
+    }
+
     /// Energy of the state at the start and of the loads up to a later state.
     pub fn up_to(&mut self, balance: &Balance) -> f64 {
         let loads = balance.work.abs() + (balance.potential - self.potential).abs();

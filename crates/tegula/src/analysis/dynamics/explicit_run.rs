@@ -179,7 +179,7 @@ impl<'a> ExplicitSteps<'a> {
             monitor,
             drilling: DrillingWatch::new(),
             bending: BendingWatch::new(),
-            loads: LoadWatch::new(system, &state),
+            loads: LoadWatch::new(system, options, &state),
             ends: StepEnds::new(system, options),
             check: AmplitudeCheck::new(system, options),
             statistics: Statistics { steps: state.step, ..Statistics::default() },
@@ -263,6 +263,8 @@ impl<'a> ExplicitSteps<'a> {
         self.statistics.steps = state.step;
         outcome.map_err(|reason| self.unstable(reason))?;
         self.loads.look(self.system, (&self.state, last), observer);
+        // Loads may have taken back all of their work where the balance is checked.
+        self.monitor.supplied.count_work(self.state.work);
         let step = self.state.step;
         if (last || step.is_multiple_of(INTERVAL))
             && let Some(reason) = inverted_element(self.system, &self.state.u)
@@ -342,7 +344,7 @@ impl Stepper for ExplicitSteps<'_> {
         let Self { system, scheme, fibres, state, .. } = self;
         state.clone_from(start);
         scheme.begin(state);
-        self.loads = LoadWatch::new(system, state);
+        self.loads = LoadWatch::new(system, self.options, state);
         if state.tangent.valid {
             fibres.take(system, &state.tangent.u);
         }

@@ -3,10 +3,13 @@
 //! Forces a and b at the ends of a step and m in its middle do the work `(a + 4 m + b)/6 · Δx` by Simpson's rule; it differs from that of the scheme by
 //! `(a + b − 2 m)/6 · Δx` and by multiples of it. It vanishes for springs and dampers of constant stiffness, and is as large as the energy where a body runs
 //! into a stop within one step.
+//!
+//! A force that jumps with the motion, such as dry friction by the sign of a velocity, has no equilibrium where it vanishes: steps become ever shorter there.
 
 use crate::Vec3;
 use crate::analysis::{Observer, State};
 use crate::element::{Motion, Nodal};
+use crate::model::{Scheme, TransientAnalysis};
 use crate::system::System;
 use tegula_sparse::norm::larger;
 
@@ -14,6 +17,10 @@ use tegula_sparse::norm::larger;
 const REPORTED: f64 = 0.1;
 /// Number of first steps that are judged together: from rest, the work of one is as small as what is unknown of it.
 const FIRST_STEPS: u64 = 20;
+
+/// Number of implicit steps that advance a motion by its constant step at least, or by a part of its length.
+const MANY_STEPS: u64 = 1000;
+const SHORT: f64 = 1e-4;
 
 /// Time, positions and velocities of a load, and its forces there.
 struct LoadState {
@@ -27,13 +34,42 @@ pub(super) struct LoadWatch {
     before: Vec<LoadState>,
     /// Unknown work of each load so far, and whether it was told.
     missed: Vec<(f64, bool)>,
+    /// Step and time from which steps are counted; `None` once short ones were told.
+    counted: Option<(u64, f64)>,
+    /// Time by which many steps advance the motion at least.
+    least_advance: f64,
 }
 
 impl LoadWatch {
     /// Watch from a state on.
-    pub fn new(system: &System, state: &State) -> Self {
+    pub fn new(system: &System, options: &TransientAnalysis, state: &State) -> Self {
         let before = evaluated(system, state);
-        Self { missed: vec![(0.0, false); before.len()], before }
+        // Explicit steps are short for other reasons.
+        let counted = (!matches!(options.scheme, Scheme::Explicit(_))).then_some((state.step, state.time));
+        let least_advance = options.time_step.unwrap_or(SHORT * options.end_time);
+        Self { missed: vec![(0.0, false); before.len()], before, counted, least_advance }
+    }
+
+    /// Warns once where many steps hardly advance the motion.
+    fn look_at_steps(&mut self, system: &System, state: &State, observer: &mut dyn Observer) {
+        let Some((_, time)) = self.counted.filter(|(step, _)| state.step >= step + MANY_STEPS) else {
+            return;
+        };
+        let advanced = state.time - time;
+        self.counted = Some((state.step, state.time));
+        if advanced < self.least_advance {
+            self.counted = None;
+            let names: Vec<&str> = system
+                .field_loads()
+                .map(|(.., of)| system.load_sets[system.load_of_follower[of]].name.as_str())
+                .collect();
+            observer.on_warning(&format!(
+                "time {:.6e}: the last {MANY_STEPS} steps have advanced the motion by {advanced:.1e} only: a force of {} may jump with the motion, as \
+                 friction does with the sign of a velocity; let it change over a small distance or velocity",
+                state.time,
+                names.join(", ")
+            ));
+        }
     }
 
     /// Looks at the end of a step, the `last` one or another, and warns once for each load whose work is not known to a tenth of the largest energy of the
@@ -42,6 +78,7 @@ impl LoadWatch {
         if self.before.is_empty() {
             return;
         }
+        self.look_at_steps(system, state, observer);
         let now = evaluated(system, state);
         let scale = larger(state.energy_scale, state.work.abs());
         let judged = last || state.step >= FIRST_STEPS;

@@ -127,7 +127,7 @@ impl<'a> TimeSteps<'a> {
             drive_rates: DriveRates::new(system, state.time),
             difference_energy: DifferenceEnergy::new(system),
             energies: EnergyWatch::new(system, &balance),
-            loads: LoadWatch::new(system, &state),
+            loads: LoadWatch::new(system, options, &state),
             rotations: RotationWatch::new(system, constant, &state.u),
             balance,
             statistics: Statistics { steps: state.step, ..Statistics::default() },
@@ -473,7 +473,7 @@ impl Stepper for TimeSteps<'_> {
         self.statistics.steps = state.step;
         self.rotations.restart(&self.state.u);
         self.events.restart();
-        self.loads = LoadWatch::new(system, &self.state);
+        self.loads = LoadWatch::new(system, self.options, &self.state);
         (self.event, self.reviewing, self.own_tangents) = (None, false, false);
         self.ends.limit(end);
     }
