@@ -1,5 +1,6 @@
 //! Meshes of input files whose nodes and elements have numbers: what the formats have in common.
 
+pub mod bars;
 pub mod normals;
 pub mod parts;
 pub mod reader;
