@@ -70,12 +70,12 @@ fn of_both(
     Ok(found.unwrap_or_default())
 }
 
+/// Values of degrees of freedom, each with its line, by the numbers of nodes and from 0 on.
+type Held = BTreeMap<(u64, usize), (f64, usize)>;
+
 /// Degrees of freedom of each node, of all supports together.
-fn held(
-    reader: &Reader<'_>,
-    restraints: &[Restraint],
-) -> Result<BTreeMap<(u64, usize), (f64, usize)>, MeshError> {
-    let mut out: BTreeMap<(u64, usize), (f64, usize)> = BTreeMap::new();
+fn held(reader: &Reader<'_>, restraints: &[Restraint]) -> Result<Held, MeshError> {
+    let mut out = Held::new();
     for restraint in restraints {
         for (i, dof) in restraint.dofs.iter().enumerate() {
             let Some((value, line)) = *dof else { continue };

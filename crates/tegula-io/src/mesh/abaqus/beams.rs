@@ -201,8 +201,9 @@ pub fn shape(reader: &Reader<'_>, card: &Card<'_>) -> Result<Option<BeamSection>
                 Ok(Some(BeamSection::Circle(CircularSection { radius, inner_radius: 0.0 })))
             }
         },
-        "PIPE" => match sizes(&[2], "the outer radius and the thickness of the wall")? {
-            (of, line) => match of[..] {
+        "PIPE" => {
+            let (of, line) = sizes(&[2], "the outer radius and the thickness of the wall")?;
+            match of[..] {
                 [radius, wall] if wall <= radius => {
                     let inner_radius = radius - wall;
                     Ok(Some(BeamSection::Circle(CircularSection { radius, inner_radius })))
@@ -212,8 +213,8 @@ pub fn shape(reader: &Reader<'_>, card: &Card<'_>) -> Result<Option<BeamSection>
                     "the wall of the pipe is thicker than its radius".into(),
                     "give the outer radius and the thickness of the wall",
                 ),
-            },
-        },
+            }
+        }
         "BOX" => {
             let what = "the sides along n1 and n2 and the thicknesses of the four walls";
             let (of, line) = sizes(&[6], what)?;
