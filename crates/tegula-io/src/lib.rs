@@ -13,3 +13,6 @@ pub mod plot;
 pub mod render;
 pub mod report;
 pub mod watch;
+
+#[cfg(test)]
+mod solved;

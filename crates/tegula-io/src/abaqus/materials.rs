@@ -53,6 +53,12 @@ impl Materials {
         Some(&material.name)
     }
 
+    /// Whether a material is isotropic.
+    pub fn is_isotropic(&self, name: &str) -> bool {
+        let material = self.index.get(&name.to_uppercase()).and_then(|at| self.list.get(*at));
+        material.is_some_and(|of| matches!(of.elastic, Some((_, Elastic::Isotropic(_)))))
+    }
+
     /// Writes the tables of the materials.
     pub fn write(&self, out: &mut Document) {
         for material in &self.list {

@@ -3,6 +3,8 @@
 //! | file | is |
 //! |---|---|
 //! | `materials`, `sections` | `*MATERIAL`, `*SHELL SECTION` |
+//! | `beams` | `*BEAM SECTION`, `*BEAM GENERAL SECTION`, supports of beams |
+//! | `solids` | supports and forces of continuum shells |
 //! | `targets` | nodes and elements of supports and loads |
 //! | `boundary`, `loads` | `*BOUNDARY`, `*CLOAD`, `*DLOAD` |
 //! | `steps` | `*STEP` and its analysis |
@@ -10,10 +12,12 @@
 //! The text names the input file as the mesh, and is read like every model file, with all its checks. Nothing of the input file is dropped
 //! without a message: cards that are not read are errors, and requests for results are warnings.
 
+mod beams;
 mod boundary;
 mod loads;
 mod materials;
 mod sections;
+mod solids;
 mod steps;
 mod targets;
 
@@ -25,16 +29,19 @@ use tegula::Issue;
 use self::materials::Materials;
 use self::steps::StepCards;
 pub use crate::conversion::Converted;
-use crate::conversion::analyses::StepAnalysis;
+use crate::conversion::analyses::{StepAnalysis, make_nonlinear};
 use crate::conversion::document::{Document, quoted};
 use crate::conversion::loads::Load;
 use crate::conversion::supports::{self, Restraint};
 use crate::conversion::{
-    Errors, Point, distinct, head, listed, unread, without_effect, write_mesh, write_points, write_steps,
+    Errors, Point, bars, distinct, head, held, listed, unread, without_effect, write_mesh, write_points,
+    write_steps,
 };
 use crate::mesh::MeshError;
+use crate::mesh::abaqus::beams as of_mesh;
 use crate::mesh::abaqus::cards::{self, Card, Reader};
 use crate::mesh::abaqus::parts;
+use crate::mesh::numbered::bars::frame::Frame;
 use crate::mesh::numbered::{MOST_PRINTED, Parts};
 
 /// Keywords that are read.
@@ -49,6 +56,8 @@ const READ: &[&str] = &[
     "DENSITY",
     "EXPANSION",
     "SHELL SECTION",
+    "BEAM SECTION",
+    "BEAM GENERAL SECTION",
     "BOUNDARY",
     "STEP",
     "STATIC",
@@ -100,11 +109,14 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     let materials = keep.value(Materials::read(&reader, &cards));
     let steps = keep.value(steps::split(&reader, &cards));
     let analyses = steps.as_ref().and_then(|(_, steps)| keep.value(analyses(&reader, steps)));
-    let (Some(parts), Some(materials), Some((model, steps)), Some(analyses)) =
-        (parts, materials, steps, analyses)
+    let frame = parts.as_ref().and_then(|parts| keep.value(of_mesh::frame(&reader, &cards, parts)));
+    let (Some(parts), Some(frame), Some(materials), Some((model, steps)), Some(mut analyses)) =
+        (parts, frame, materials, steps, analyses)
     else {
         return Err(distinct(errors));
     };
+    let ambiguous = ambiguous(&steps, &analyses);
+    let large = keep.value(large_displacements(&reader, &frame, &mut analyses)).flatten();
     let mut out = Document::default();
     head(&mut out, path);
     title(&mut out, &cards);
@@ -112,21 +124,32 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     if let (true, Some(analysis)) = (single, analyses.first()) {
         analysis.write(&mut out, "[analysis]");
     }
-    mesh(&mut out, &cards, mesh_file);
+    if !parts.elements.is_empty() || frame.lines.is_empty() {
+        mesh(&mut out, &cards, mesh_file);
+    }
     materials.write(&mut out);
     for card in cards.iter().filter(|card| card.keyword == "SHELL SECTION") {
         if let Some(section) = keep.value(sections::section(&reader, card, &parts, &materials)) {
             section.write(&mut out);
         }
     }
-    let supports = keep.value(supports(&reader, &parts, model, &steps)).unwrap_or_default();
-    keep.value(supports::write(&mut out, &reader, &parts, "[[conditions]]", &supports));
-    let loads = keep.value(loads_of(&reader, &parts, &steps, &analyses)).unwrap_or_default();
-    write_steps(&mut out, "*STEP", &analyses, &loads);
     let printed = printed(&parts, &cards);
+    if let Some(sections) = keep.value(beams::sections(&reader, &cards, &materials)) {
+        bars::write(&mut out, "*ELEMENT", &frame, &sections, &recorded(&parts, &cards));
+    }
+    let supports = keep.value(supports(&reader, &parts, model, &steps)).unwrap_or_default();
+    if let Some((shells, holds)) = keep.value(beams::held(&reader, &parts, &frame, supports)) {
+        keep.value(held::write(&mut out, &reader, &holds));
+        keep.value(match parts.through.is_empty() {
+            true => supports::write(&mut out, &reader, &parts, "[[conditions]]", &shells),
+            false => solids::write_supports(&mut out, &reader, &parts, &shells),
+        });
+    }
+    let loads = keep.value(loads_of(&reader, (&parts, &frame), &steps, &analyses)).unwrap_or_default();
+    write_steps(&mut out, "*STEP", &analyses, &loads);
     write_points(&mut out, &printed, "*NODE PRINT");
     if errors.is_empty() {
-        let warnings = ignored(&cards, &printed).into_iter().chain(ambiguous(&steps, &analyses)).collect();
+        let warnings = ignored(&parts, &cards).into_iter().chain(ambiguous).chain(large).collect();
         Ok(Converted { text: out.text, lines: out.lines, warnings })
     } else {
         Err(distinct(errors))
@@ -144,8 +167,10 @@ fn unknown(reader: &Reader<'_>, cards: &[Card<'_>]) -> Option<MeshError> {
 }
 
 /// Warning about requests for results that are not read.
-fn ignored(cards: &[Card<'_>], printed: &[Point]) -> Option<Issue> {
-    let read = |card: &Card<'_>| printed.iter().any(|point| point.line == card.line);
+fn ignored(parts: &Parts, cards: &[Card<'_>]) -> Option<Issue> {
+    let read = |card: &Card<'_>| {
+        asked(parts, card).is_some_and(|(_, nodes)| nodes.iter().any(|node| parts.has(*node)))
+    };
     let ignored = |card: &&Card<'_>| {
         IGNORED.contains(&card.keyword.as_str()) || (card.keyword == "NODE PRINT" && !read(card))
     };
@@ -169,6 +194,29 @@ fn ambiguous(steps: &[StepCards<'_, '_>], analyses: &[StepAnalysis]) -> Option<I
         }
     }
     None
+}
+
+/// Makes linear statics those of large displacements where the model has beams, which move in these only, with a warning.
+///
+/// # Errors
+/// Modes or buckling stand behind linear statics, which would then be about the loaded state.
+fn large_displacements(
+    reader: &Reader<'_>,
+    frame: &Frame,
+    analyses: &mut [StepAnalysis],
+) -> Result<Option<Issue>, MeshError> {
+    let Some(beam) = frame.lines.first() else { return Ok(None) };
+    let linear = analyses.iter().position(|analysis| !analysis.is_nonlinear());
+    let behind = analyses.iter().skip(linear.unwrap_or(analyses.len()));
+    if let Some(modes) = behind.clone().find(|analysis| analysis.card != "*STATIC") {
+        return Err(reader.error(
+            modes.line,
+            format!("{} stands behind a linear *STATIC of a model with beams, which has large displacements here", modes.card),
+            "write NLGEOM on the step of *STATIC to have the loaded state, or a file of its own for the unloaded structure",
+        ));
+    }
+    let phrase = make_nonlinear(analyses.iter_mut(), (beam.name.clone(), beam.line));
+    Ok(phrase.and_then(|phrase| without_effect("parts", &phrase)))
 }
 
 /// Title of the model.
@@ -225,7 +273,7 @@ fn supports(
 /// Loads of each step. Those of statics continue; buckling has its own beside them, and modes have none.
 fn loads_of(
     reader: &Reader<'_>,
-    parts: &Parts,
+    model: (&Parts, &Frame),
     steps: &[StepCards<'_, '_>],
     analyses: &[StepAnalysis],
 ) -> Result<Vec<Vec<Load>>, MeshError> {
@@ -235,10 +283,10 @@ fn loads_of(
         let cards = step.of(&["CLOAD", "DLOAD"]);
         all.push(match (analysis.card, cards.first()) {
             ("*STATIC", _) => {
-                of_statics = loads::loads(reader, parts, &cards, &of_statics)?;
+                of_statics = loads::loads(reader, model, &cards, &of_statics)?;
                 of_statics.clone()
             }
-            ("*BUCKLE", _) => loads::loads(reader, parts, &cards, &[])?,
+            ("*BUCKLE", _) => loads::loads(reader, model, &cards, &[])?,
             (_, None) => Vec::new(),
             (_, Some(card)) => {
                 return Err(reader.error(
@@ -252,19 +300,26 @@ fn loads_of(
     Ok(all)
 }
 
-/// Points of the cards `*NODE PRINT` that ask for displacements of few nodes.
+/// Name and nodes of the set of few nodes whose displacements a card `*NODE PRINT` asks for.
+fn asked<'p>(parts: &'p Parts, card: &Card<'_>) -> Option<(&'p str, &'p BTreeSet<u64>)> {
+    let displacements = card.fields().any(|(_, field)| field.eq_ignore_ascii_case("U"));
+    let found = parts.node_sets.get(card.parameter("NSET")?)?;
+    (card.keyword == "NODE PRINT" && displacements && found.1.len() <= MOST_PRINTED).then_some(found)
+}
+
+/// Points of shells whose displacements cards ask for.
 fn printed(parts: &Parts, cards: &[Card<'_>]) -> Vec<Point> {
     let mut found = Vec::new();
     let mut taken = BTreeSet::new();
-    for card in cards.iter().filter(|card| card.keyword == "NODE PRINT") {
-        let displacements = card.fields().any(|(_, field)| field.eq_ignore_ascii_case("U"));
-        let set = card.parameter("NSET").and_then(|name| parts.node_sets.get(name));
-        let Some((name, members)) = set.filter(|(_, set)| displacements && set.len() <= MOST_PRINTED) else {
-            continue;
-        };
-        for &node in members.iter().filter(|node| parts.used.contains(node)) {
+    for card in cards {
+        let Some((name, members)) = asked(parts, card) else { continue };
+        for node in members.iter().filter_map(|node| parts.middle(*node)) {
             if taken.insert(node) {
-                let name = if members.len() == 1 { name.to_owned() } else { format!("{name} {node}") };
+                let name = match parts.layer.above.get(&node) {
+                    Some(above) => format!("{name} {node} and {above}"),
+                    None if members.len() == 1 => name.to_owned(),
+                    None => format!("{name} {node}"),
+                };
                 found.push(Point { name, node, line: card.line });
             }
         }
@@ -272,5 +327,15 @@ fn printed(parts: &Parts, cards: &[Card<'_>]) -> Vec<Point> {
     found
 }
 
+/// Nodes of beams whose displacements cards ask for.
+fn recorded(parts: &Parts, cards: &[Card<'_>]) -> BTreeSet<u64> {
+    let sets = cards.iter().filter_map(|card| asked(parts, card)).flat_map(|(_, nodes)| nodes);
+    sets.copied().filter(|node| parts.of_bars.contains(node)).collect()
+}
+
+#[cfg(test)]
+mod beams_tests;
+#[cfg(test)]
+mod solids_tests;
 #[cfg(test)]
 mod tests;

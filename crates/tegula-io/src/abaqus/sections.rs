@@ -1,5 +1,7 @@
 //! `*SHELL SECTION`.
 
+use std::collections::BTreeSet;
+
 use super::materials::Materials;
 use crate::conversion::sections::{Layers, Ply, Section};
 use crate::mesh::MeshError;
@@ -17,15 +19,26 @@ pub(super) fn section(
     materials: &Materials,
 ) -> Result<Section, MeshError> {
     refuse(reader, card)?;
-    reader.only(card, &["ELSET", "MATERIAL", "COMPOSITE", "OFFSET"])?;
+    let is_solid = !parts.through.is_empty();
+    match is_solid {
+        true => reader.only(card, &["ELSET", "MATERIAL", "COMPOSITE", "OFFSET", "STACK DIRECTION"])?,
+        false => reader.only(card, &["ELSET", "MATERIAL", "COMPOSITE", "OFFSET"])?,
+    }
     let elements = reader.required(card, "ELSET")?;
-    let Some((on, _)) = parts.element_sets.get(elements) else {
+    let Some((on, members)) = parts.element_sets.get(elements) else {
         return Err(reader.error(
             card.line,
             format!("there is no element set \"{}\"", shown(elements)),
             "check the name of the set",
         ));
     };
+    if let Some(bar) = parts.bars.iter().find(|bar| members.contains(&bar.label)) {
+        return Err(reader.error(
+            card.line,
+            format!("element {} of the set \"{}\" is a beam", bar.label, shown(on)),
+            "give the section a set of shells alone",
+        ));
+    }
     if let Some(offset) = card.parameter("OFFSET")
         && reader.number(card.line, offset)? != 0.0
     {
@@ -47,11 +60,27 @@ pub(super) fn section(
         }
         true => {
             let plies = card.data.iter().map(|data| ply(reader, *data, materials));
-            Layers::Plies(plies.collect::<Result<_, _>>()?)
+            let plies: Vec<Ply> = plies.collect::<Result<_, _>>()?;
+            Layers::Plies(if is_solid { stacked(parts, members, plies) } else { plies })
         }
     };
     let (card, line) = ("*SHELL SECTION", card.line);
-    Ok(Section { on: on.to_owned(), card, line, layers, direction: None, offset: None })
+    let element = is_solid.then_some("solid-shell");
+    Ok(Section { on: on.to_owned(), card, line, element, layers, direction: None, offset: None })
+}
+
+/// Layers of continuum shells, whose thicknesses are parts of that of the elements: those of the first node, which the check of the model compares
+/// with all others.
+fn stacked(parts: &Parts, members: &BTreeSet<u64>, mut plies: Vec<Ply>) -> Vec<Ply> {
+    let total: f64 = plies.iter().map(|ply| ply.thickness).sum();
+    let first = parts.elements.iter().find(|element| members.contains(&element.label));
+    let through = first.and_then(|element| parts.through.get(element.nodes.first()?));
+    let factor = through.map_or(1.0, |through| through.norm() / total);
+    // Round-off of the coordinates does not change the thicknesses of the card.
+    if factor.is_finite() && (factor - 1.0).abs() > 1e-9 {
+        plies.iter_mut().for_each(|ply| ply.thickness *= factor);
+    }
+    plies
 }
 
 /// Parameters that change the shell and are not read.
@@ -66,6 +95,13 @@ fn refuse(reader: &Reader<'_>, card: &Card<'_>) -> Result<(), MeshError> {
         "DENSITY" => Some("give *DENSITY of the material"),
         _ => None,
     };
+    if let Some(direction) = card.parameter("STACK DIRECTION").filter(|direction| *direction != "3") {
+        return Err(reader.error(
+            card.line,
+            format!("STACK DIRECTION={} is not read", shown(direction)),
+            "number the nodes of the elements so that the thickness runs from the nodes 1 to 4 to the nodes 5 to 8, which is direction 3",
+        ));
+    }
     match card.parameters.iter().find_map(|p| Some((&p.name, help(&p.name)?))) {
         Some((name, help)) => {
             Err(reader.error(card.line, format!("{name} of a shell section is not read"), help))

@@ -26,7 +26,7 @@ pub(super) fn nodes(
         )
     };
     if let Some(node) = label(field) {
-        return match (parts.nodes.contains_key(&node), parts.used.contains(&node)) {
+        return match (parts.nodes.contains_key(&node), parts.has(node)) {
             (_, true) => Ok(Target { name: node.to_string(), nodes: vec![node] }),
             (true, false) => Err(lost(node)),
             (false, false) => Err(reader.error(
@@ -51,7 +51,7 @@ pub(super) fn nodes(
     if let Some(node) = parts.node_sets.repeated(name).filter(|_| all) {
         return Err(twice(reader, (line, name), format!("node {node}")));
     }
-    let (used, orphans): (Vec<u64>, Vec<u64>) = members.iter().partition(|node| parts.used.contains(node));
+    let (used, orphans): (Vec<u64>, Vec<u64>) = members.iter().partition(|node| parts.has(**node));
     match orphans.first() {
         Some(&node) if all || used.is_empty() => Err(lost(node)),
         None if used.is_empty() => {

@@ -38,12 +38,12 @@ fn part(supports: &str, steps: &str, key: &str) -> serde_json::Value {
     serde_json::to_value(model(supports, steps)).unwrap()[key].clone()
 }
 
-fn json(text: &str) -> serde_json::Value {
+pub(super) fn json(text: &str) -> serde_json::Value {
     serde_json::from_str(text).unwrap()
 }
 
 /// Messages of a deck, each with its line.
-fn mistakes(deck: &str) -> Vec<(usize, String)> {
+pub(super) fn mistakes(deck: &str) -> Vec<(usize, String)> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("strip.inp");
     std::fs::write(&path, deck).unwrap();

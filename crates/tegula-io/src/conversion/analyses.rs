@@ -29,3 +29,20 @@ impl StepAnalysis {
         }
     }
 }
+
+/// Makes analyses of small displacements those of large ones, as the model has the part `name` on a `line`, which moves in these only; the phrase
+/// tells which analysis is changed.
+pub(crate) fn make_nonlinear<'a>(
+    analyses: impl Iterator<Item = &'a mut StepAnalysis>,
+    (name, line): (String, usize),
+) -> Option<String> {
+    let mut changed = None;
+    for analysis in analyses.filter(|analysis| !analysis.is_nonlinear()) {
+        analysis.keys.retain(|(key, _)| *key != "linear");
+        changed = changed.or(Some((analysis.card, analysis.line)));
+    }
+    let (card, at) = changed?;
+    Some(format!(
+        "small displacements of {card} (line {at}), which may have any size here, as the model has {name} (line {line})"
+    ))
+}

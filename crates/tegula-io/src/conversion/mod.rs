@@ -4,10 +4,13 @@
 //! |---|---|
 //! | `document` | the text, with the lines that it comes from |
 //! | `supports` | from fixed degrees of freedom to components of nodal vectors |
-//! | `loads`, `materials`, `sections`, `analyses` | tables of the model file |
+//! | `held` | from fixed degrees of freedom of bodies and beams to joints |
+//! | `bars`, `loads`, `materials`, `sections`, `analyses` | tables of the model file |
 
 pub(crate) mod analyses;
+pub(crate) mod bars;
 pub(crate) mod document;
+pub(crate) mod held;
 pub(crate) mod loads;
 pub(crate) mod materials;
 pub(crate) mod sections;

@@ -11,6 +11,8 @@ pub(crate) struct Section {
     pub card: &'static str,
     /// Line of the card.
     pub line: usize,
+    /// Element type; the usual one unless given.
+    pub element: Option<&'static str>,
     /// Layers from the bottom to the top.
     pub layers: Layers,
     /// The 0° direction of a layup; unless given the x axis.
@@ -53,6 +55,9 @@ impl Section {
     pub fn write(&self, out: &mut Document) {
         out.table(self.line, "[[sections]]", self.card);
         out.key(self.line, "on", &quoted(&self.on));
+        if let Some(element) = self.element {
+            out.key(self.line, "element", &quoted(element));
+        }
         match &self.layers {
             Layers::One { material, thickness, line } => {
                 out.key(self.line, "material", &quoted(material));

@@ -1,5 +1,6 @@
 //! Readers of mesh files of other programs, which give a [`tegula::Mesh`], and of the surfaces of rigid bodies.
 
+pub mod layer;
 pub mod node_table;
 pub mod numbered;
 pub mod stl;

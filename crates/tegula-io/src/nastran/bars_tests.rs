@@ -5,15 +5,16 @@ use std::path::Path;
 use proptest::prelude::*;
 use serde_json::Value;
 use tegula::Vec3;
-use tegula::analysis::{Silent, statics};
+use tegula::analysis::Silent;
 use tegula::model::Analysis;
 
 use super::convert;
 use super::tests::{json, mistakes, model};
 use crate::deck::Deck;
-use crate::job::{Prepared, prepare};
+use crate::job::prepare;
 use crate::mesh::MeshReader;
 use crate::mesh::nastran::Nastran;
+use crate::solved::{Solved, near};
 
 const CONTROL: &str = "SOL 101\nCEND\nSPC = 1\nLOAD = 2\nBEGIN BULK\n";
 const E: f64 = 2.1e5;
@@ -27,47 +28,6 @@ const K: [f64; 2] = [0.8, 0.7];
 const PROPERTY: &str = "PBAR,7,4,100.,2000.,800.,1500.\n,1.,2.\n,.8,.7\n";
 const L: f64 = 100.0;
 
-/// A model in its equilibrium.
-pub(super) struct Solved {
-    pub prepared: Prepared,
-    pub u: Vec<[f64; 3]>,
-}
-
-impl Solved {
-    pub fn new(deck: &str) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("frame.bdf");
-        std::fs::write(&path, deck).unwrap();
-        let deck = Deck::read(&path).unwrap_or_else(|e| panic!("{e:#?}"));
-        let prepared = prepare(&deck).unwrap_or_else(|e| panic!("{e}"));
-        let Analysis::Static(options) = &deck.model.analysis else { unreachable!() };
-        let outcome = statics::run(&prepared.system, options, None, &mut Silent).unwrap();
-        Self { prepared, u: outcome.state.u }
-    }
-
-    /// Displacement of a body.
-    pub fn moved(&self, body: &str) -> Vec3 {
-        let bodies = &self.prepared.system.coordinates.bodies;
-        let body = bodies.iter().find(|other| other.name == body).unwrap();
-        self.u[body.centre as usize].into()
-    }
-
-    /// Rotation of a body where it is small.
-    pub fn turned(&self, body: &str) -> Vec3 {
-        let coordinates = &self.prepared.system.coordinates;
-        let body = coordinates.bodies.iter().find(|other| other.name == body).unwrap();
-        let cross =
-            |v: u32| Vec3::from(coordinates.reference[v as usize]).cross(&Vec3::from(self.u[v as usize]));
-        body.directors.unwrap().map(cross).iter().sum::<Vec3>() * 0.5
-    }
-
-    /// Displacement of the node of the mesh at a place.
-    pub fn at(&self, place: Vec3) -> Vec3 {
-        let node = self.prepared.mesh.nearest_node(place).unwrap();
-        self.u[self.prepared.system.coordinates.position_of[node as usize] as usize].into()
-    }
-}
-
 /// Four bars along x from node 1 to node 5, of which the second one runs backwards.
 fn bars() -> String {
     let nodes: String =
@@ -79,10 +39,6 @@ fn bars() -> String {
 
 fn cantilever(property: &str, loads: &str) -> String {
     [CONTROL, &bars(), property, MATERIAL, "SPC1,1,123456,1\n", loads].concat()
-}
-
-fn near(found: f64, expected: f64, tolerance: f64) {
-    assert!((found / expected - 1.0).abs() < tolerance, "{found} {expected}");
 }
 
 /// Deflections of a cantilever of bars: F L³/3EI + F L/kGA in both planes, F L/EA, M L/GJ.

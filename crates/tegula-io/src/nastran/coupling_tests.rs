@@ -4,9 +4,9 @@ use std::path::Path;
 
 use tegula::Vec3;
 
-use super::bars_tests::Solved;
 use super::convert;
 use super::tests::{LOAD, SECTION, SUPPORT, json, mistakes, model, strip};
+use crate::solved::Solved;
 
 /// The strip, thin, with an `RBE3` of the weights 1 and 3 of the nodes 3 and 6 at its end.
 fn coupled(card: &str, at: &str, loads: &str) -> String {

@@ -35,18 +35,20 @@ use self::loads::LoadSets;
 use self::notes::Notes;
 use self::parameters::Parameters;
 pub use crate::conversion::Converted;
-use crate::conversion::analyses::StepAnalysis;
+use crate::conversion::analyses::{StepAnalysis, make_nonlinear};
+use crate::conversion::bars as of_beams;
 use crate::conversion::document::{Document, quoted, vector};
 use crate::conversion::loads::Load;
 use crate::conversion::{
     Errors, Point, distinct, head, listed, unread, write_mesh, write_points, write_steps,
 };
 use crate::mesh::MeshError;
-use crate::mesh::nastran::bars::frame::{self, Frame};
+use crate::mesh::nastran::bars::frame;
 use crate::mesh::nastran::bulk;
 use crate::mesh::nastran::file::{self, File};
 use crate::mesh::nastran::rigid::{self, Body};
 use crate::mesh::nastran::supports::{self, Support};
+use crate::mesh::numbered::bars::frame::Frame;
 use crate::mesh::numbered::{Parts, Reader};
 
 /// Cards that are read.
@@ -105,7 +107,7 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     bodies.iter().for_each(|body| write_body(&mut out, body));
     let printed = bulk::printed(&file, &bulk.parts).into_iter().flat_map(|(_, nodes)| nodes).collect();
     let of_bars = keep.value(bars::sections(&reader, &file, &frame, &materials, &mut notes));
-    bars::write(&mut out, &frame, &of_bars.unwrap_or_default(), &printed);
+    of_beams::write(&mut out, "CBAR", &frame, &of_bars.unwrap_or_default(), &printed);
     keep.value(held::write(&mut out, &reader, &file, &bulk.parts));
     small_rotations(&mut notes, &control, &bodies, &steps);
     rotations_of_nodes(&mut notes, &bodies);
@@ -141,17 +143,8 @@ fn jointed(
 
 /// Makes analyses of small displacements those of large ones where the model has something that moves in these only.
 fn large_displacements(notes: &mut Notes, steps: &mut [Step], because: Option<(String, usize)>) {
-    let Some((name, line)) = because else { return };
-    let mut changed = None;
-    for analysis in steps.iter_mut().map(|step| &mut step.analysis).filter(|a| !a.is_nonlinear()) {
-        analysis.keys.retain(|(key, _)| *key != "linear");
-        changed = changed.or(Some((analysis.card, analysis.line)));
-    }
-    if let Some((card, at)) = changed {
-        notes.phrases.push(format!(
-            "small displacements of {card} (line {at}), which may have any size here, as the model has {name} (line {line})"
-        ));
-    }
+    let analyses = steps.iter_mut().map(|step| &mut step.analysis);
+    notes.phrases.extend(because.and_then(|because| make_nonlinear(analyses, because)));
 }
 
 /// Notes that rigid elements have large rotations here, where those of Nastran have small ones.

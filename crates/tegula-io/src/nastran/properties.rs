@@ -70,6 +70,7 @@ pub(super) fn sections(
                 on,
                 card: keyword,
                 line: card.line,
+                element: None,
                 layers,
                 direction,
                 offset: property.offset,

@@ -3,6 +3,8 @@
 //! | in the file | becomes |
 //! |---|---|
 //! | `*ELEMENT`, `TYPE=S4` or `S4R` | quads |
+//! | `*ELEMENT`, `TYPE=SC8R` | quads of the middle surface, with directors and thickness |
+//! | `*ELEMENT`, `TYPE=B31` | lines of beams with the set of the nodes of shells that move with each |
 //! | `*NSET`, `NSET=` of `*NODE` | a node set |
 //! | `*ELSET`, `ELSET=` of `*ELEMENT` | a quad set |
 //! | a node or an element that a support or a load names by its number | a set called by this number |
@@ -10,9 +12,12 @@
 //! Nodes are ordered by their numbers, quads as in the file; nodes of no quad are dropped, also from sets. The mesh keeps the numbers of the
 //! file as labels. Cards of the model are skipped here: [`crate::abaqus`] reads them.
 
+pub mod beams;
 pub mod cards;
+mod elements;
 pub mod parts;
 pub mod sets;
+mod solids;
 
 use std::path::Path;
 

@@ -6,8 +6,10 @@ use tegula::Vec3;
 
 use super::cards::{Card, DataLine, Reader, label, shown};
 use super::sets::{ELEMENTS, NODES};
+use super::solids::Solid;
+use super::{beams, elements, solids};
 use crate::mesh::MeshError;
-use crate::mesh::numbered::{Element, MOST_PRINTED, Parts};
+use crate::mesh::numbered::{MOST_PRINTED, Parts};
 
 /// Cards that a mesh cannot be read with: beginning of the keyword, reason, remedy.
 const REFUSED: &[(&[&str], &str, &str)] = &[
@@ -56,25 +58,27 @@ pub fn parts(reader: &Reader<'_>, cards: &[Card<'_>]) -> Result<Parts, MeshError
     for card in cards {
         refuse(reader, card)?;
     }
-    let mut parts = Parts::default();
+    let (mut parts, mut solids) = (Parts::default(), Vec::new());
     for card in cards.iter().filter(|card| card.keyword == "NODE") {
         parts.read_nodes(reader, card)?;
     }
     for card in cards.iter().filter(|card| card.keyword == "ELEMENT") {
-        parts.read_elements(reader, card)?;
+        elements::read(reader, card, &mut parts, &mut solids)?;
     }
+    solids::middle(reader, &mut parts, &solids)?;
     parts.check_elements(reader)?;
     let nodes: BTreeSet<u64> = parts.nodes.keys().copied().collect();
-    let elements: BTreeSet<u64> = parts.elements.iter().map(|element| element.label).collect();
+    let elements = parts.labels();
     for card in cards {
         match card.keyword.as_str() {
-            "NSET" if card.has("ELSET") => parts.nodes_of_elements(reader, card)?,
+            "NSET" if card.has("ELSET") => parts.nodes_of_elements(reader, card, &solids)?,
             "NSET" => parts.node_sets.add(reader, card, NODES, &nodes)?,
             "ELSET" => parts.element_sets.add(reader, card, ELEMENTS, &elements)?,
             _ => {}
         }
     }
     parts.single_sets(cards, &elements);
+    beams::sets(reader, cards, &mut parts);
     Ok(parts)
 }
 
@@ -143,51 +147,13 @@ impl Parts {
         Ok(())
     }
 
-    fn read_elements(&mut self, reader: &Reader<'_>, card: &Card<'_>) -> Result<(), MeshError> {
-        reader.only(card, &["TYPE", "ELSET"])?;
-        let kind = reader.required(card, "TYPE")?.to_uppercase();
-        if !matches!(kind.as_str(), "S4" | "S4R") {
-            let help = match kind.as_str() {
-                "S3" | "S3R" | "STRI3" | "STRI65" | "S6" => {
-                    "mesh the surface with quadrilaterals of four nodes, S4"
-                }
-                "S8R" | "S8R5" | "S8" | "S9R5" => {
-                    "save the mesh in first order as S4, with about twice as many elements along each side"
-                }
-                "S4R5" | "S4RS" | "S4RSW" => "write TYPE=S4; there are no hourglass modes here",
-                _ => {
-                    "only shells of four nodes are read: mesh the middle surface with S4, and give bodies and beams in the model file"
-                }
-            };
-            return Err(reader.error(
-                card.line,
-                format!("elements of type {} are not read", shown(&kind)),
-                help,
-            ));
-        }
-        let start = self.elements.len();
-        let mut pending: Vec<(usize, &str)> = Vec::new();
-        for data in &card.data {
-            pending.extend(data.fields().filter(|field| !field.is_empty()).map(|field| (data.line, field)));
-            // The list of nodes continues on the next line behind a comma.
-            if data.text.ends_with(',') && pending.len() < 5 {
-                continue;
-            }
-            self.elements.push(element(reader, *data, &pending)?);
-            pending.clear();
-        }
-        if let (Some(data), false) = (card.data.last(), pending.is_empty()) {
-            self.elements.push(element(reader, *data, &pending)?);
-        }
-        if let Some(name) = reader.set_name(card, "ELSET")? {
-            let labels: Vec<u64> = self.elements.iter().skip(start).map(|element| element.label).collect();
-            self.element_sets.extend(name, labels);
-        }
-        Ok(())
-    }
-
     /// `*NSET, ELSET=`: the nodes of the elements of a set.
-    fn nodes_of_elements(&mut self, reader: &Reader<'_>, card: &Card<'_>) -> Result<(), MeshError> {
+    fn nodes_of_elements(
+        &mut self,
+        reader: &Reader<'_>,
+        card: &Card<'_>,
+        solids: &[Solid],
+    ) -> Result<(), MeshError> {
         reader.only(card, &["NSET", "ELSET"])?;
         reader.set_name(card, "NSET")?;
         let (name, of) = (reader.required(card, "NSET")?, reader.required(card, "ELSET")?);
@@ -199,7 +165,9 @@ impl Parts {
             ));
         };
         let inside = self.elements.iter().filter(|element| members.contains(&element.label));
-        let nodes: BTreeSet<u64> = inside.flat_map(|element| element.nodes).collect();
+        let mut nodes: BTreeSet<u64> = inside.flat_map(|element| element.nodes).collect();
+        nodes.extend(solids.iter().filter(|solid| members.contains(&solid.label)).flat_map(|solid| solid.top));
+        nodes.extend(self.bars.iter().filter(|bar| members.contains(&bar.label)).flat_map(|bar| bar.nodes));
         self.node_sets.extend(name, nodes);
         Ok(())
     }
@@ -220,31 +188,9 @@ impl Parts {
                 _ => {}
             }
         }
-        self.single_nodes.retain(|node| self.used.contains(node));
+        let mut single = std::mem::take(&mut self.single_nodes);
+        single.retain(|node| self.has(*node));
+        self.single_nodes = single;
         self.single_elements.retain(|element| elements.contains(element));
     }
-}
-
-/// Element of the fields of one data line and its continuations.
-fn element(reader: &Reader<'_>, data: DataLine<'_>, fields: &[(usize, &str)]) -> Result<Element, MeshError> {
-    let [(line, first), nodes @ ..] = fields else {
-        return Err(reader.error(
-            data.line,
-            "the line holds no element",
-            "write its number and its four nodes",
-        ));
-    };
-    let element = reader.label(*line, first, "an element")?;
-    if nodes.len() != 4 {
-        return Err(reader.error(
-            data.line,
-            format!("element {element} has {} nodes, and a quadrilateral has 4", nodes.len()),
-            "write the number of the element and those of its four nodes",
-        ));
-    }
-    let mut corners = [0; 4];
-    for (corner, (line, field)) in corners.iter_mut().zip(nodes) {
-        *corner = reader.label(*line, field, "a node")?;
-    }
-    Ok(Element { label: element, nodes: corners, line: *line })
 }

@@ -13,13 +13,11 @@ use super::gather::{distinct, lost_line, lost_node, sides, sorted};
 use super::raw::{Corners, Raw, RawElement};
 use super::scanner::Scanner;
 use crate::mesh::MeshError;
+use crate::mesh::layer::{Pairs, leans};
 
 /// The pairs of opposite faces of a hexahedron in Gmsh's order of nodes; opposite nodes stand at the same place.
 const PAIRS: [[[usize; 4]; 2]; 3] =
     [[[0, 1, 2, 3], [4, 5, 6, 7]], [[0, 1, 5, 4], [3, 2, 6, 7]], [[0, 3, 7, 4], [1, 2, 6, 5]]];
-
-/// Cosine of the largest angle between an edge through the thickness and the normal of the middle surface.
-const MOST_SKEW: f64 = 0.5;
 
 type Face = [u64; 4];
 
@@ -66,12 +64,7 @@ pub(super) fn mesh(
         if up < 0.0 {
             quad.swap(1, 3);
         }
-        let skew = |n: &u32| {
-            let t = through[*n as usize];
-            // an undefined angle (no area, no thickness) counts as skew
-            (t.dot(&normal).abs() >= MOST_SKEW * t.norm() * normal.norm() && t.norm() > 0.0).then_some(())
-        };
-        if quad.iter().any(|n| skew(n).is_none()) {
+        if quad.iter().any(|&n| leans(through[n as usize], normal)) {
             return Err(scanner.error(
                 solid.at,
                 format!(
@@ -187,8 +180,7 @@ impl<'a> Layer<'a> {
             low.iter().zip(high).map(|(&a, b)| (place(corners[b]) - place(corners[a])).norm()).sum()
         };
         let mut sides: Vec<Option<[Face; 2]>> = vec![None; count];
-        let mut partner: HashMap<u64, u64> = HashMap::new();
-        let mut upper: HashSet<u64> = HashSet::new();
+        let mut pairs = Pairs::default();
         // Where only one direction can be the thickness there is nothing to guess.
         let mut seeds: Vec<usize> = (0..count).collect();
         seeds.sort_by_key(|&s| (free[s].len() != 1, s));
@@ -203,7 +195,7 @@ impl<'a> Layer<'a> {
             let mut queue = VecDeque::from([seed]);
             while let Some(solid) = queue.pop_front() {
                 let Some([bottom, top]) = sides[solid] else { continue };
-                if !is_one_layer([bottom, top], &mut partner, &mut upper) {
+                if !bottom.into_iter().zip(top).all(|(b, t)| pairs.add(b, t)) {
                     return Err(self.disagreement(scanner, solid));
                 }
                 for k in 0..4 {
@@ -351,16 +343,6 @@ fn not_a_face(scanner: &Scanner<'_>, element: &RawElement) -> MeshError {
         "a file holds either quadrilaterals or hexahedra: mesh the whole middle surface with quadrilaterals, and give `element = \
          \"solid-shell\"` to the sections where you want it",
     )
-}
-
-/// Whether each node of both sides is at the bottom or at the top of all hexahedra so far, with one partner, whichever of two parts that share
-/// an edge comes first.
-fn is_one_layer([bottom, top]: [Face; 2], partner: &mut HashMap<u64, u64>, upper: &mut HashSet<u64>) -> bool {
-    bottom.into_iter().zip(top).all(|(b, t)| {
-        let is_reused = partner.insert(b, t).is_some_and(|old| old != t);
-        upper.insert(t);
-        !is_reused && !partner.contains_key(&t) && !upper.contains(&b)
-    })
 }
 
 /// Bottom and top of a hexahedron of which an edge runs through the thickness, from bottom to top.

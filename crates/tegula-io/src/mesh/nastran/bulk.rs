@@ -5,13 +5,13 @@ use std::collections::BTreeSet;
 use tegula::Vec3;
 
 use super::angles::Properties;
-use super::bars::lines::Line;
 use super::bars::{self, frame};
 use super::cards::Card;
 use super::file::File;
 use super::rigid::{self, Body};
 use super::{loads, supports};
 use crate::mesh::MeshError;
+use crate::mesh::numbered::bars::lines::Line;
 use crate::mesh::numbered::{Element, MOST_PRINTED, Parts, Reader, shown};
 
 /// Grid points and elements of a file, by their numbers.

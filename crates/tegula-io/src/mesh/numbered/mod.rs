@@ -1,5 +1,6 @@
 //! Meshes of input files whose nodes and elements have numbers: what the formats have in common.
 
+pub mod bars;
 pub mod normals;
 pub mod parts;
 pub mod reader;
@@ -7,11 +8,11 @@ pub mod sets;
 
 use std::collections::{BTreeSet, HashMap};
 
-use tegula::Mesh;
 use tegula::mesh::Labels;
 use tegula::mesh::sets::RENAME_ALL;
+use tegula::{Mesh, Vec3};
 
-pub use self::parts::{Element, MOST_PRINTED, Parts};
+pub use self::parts::{BarElement, Element, MOST_PRINTED, Parts};
 pub use self::reader::{Reader, shown, text};
 pub use self::sets::Sets;
 use super::MeshError;
@@ -38,7 +39,12 @@ pub fn mesh(reader: &Reader<'_>, parts: &Parts, scale: f64) -> Result<Mesh, Mesh
         nodes: parts.used.iter().copied().collect(),
         quads: parts.elements.iter().map(|element| element.label).collect(),
     };
-    let nodes: HashMap<u64, u32> = parts.used.iter().copied().zip(0..).collect();
+    let mut nodes: HashMap<u64, u32> = parts.used.iter().copied().zip(0..).collect();
+    for (top, bottom) in &parts.layer.below {
+        if let Some(&middle) = nodes.get(bottom) {
+            nodes.insert(*top, middle);
+        }
+    }
     let quads: HashMap<u64, u32> = labels.quads.iter().copied().zip(0..).collect();
     let mut mesh = Mesh::default();
     for (position, line) in parts.used.iter().filter_map(|label| parts.nodes.get(label)) {
@@ -57,8 +63,16 @@ pub fn mesh(reader: &Reader<'_>, parts: &Parts, scale: f64) -> Result<Mesh, Mesh
             mesh.quads.push([a, b, c, d]);
         }
     }
+    if !parts.through.is_empty() {
+        let through: Vec<Vec3> =
+            parts.used.iter().filter_map(|node| parts.through.get(node)).map(|t| t * scale).collect();
+        mesh.thickness = Some(through.iter().map(|t| t.norm()).collect());
+        mesh.normals =
+            Some(mesh.quads.iter().map(|quad| quad.map(|n| through[n as usize].normalize())).collect());
+    }
     let members = |of: &BTreeSet<u64>, known: &HashMap<u64, u32>| -> Vec<u32> {
-        of.iter().filter_map(|label| known.get(label)).copied().collect()
+        let distinct: BTreeSet<u32> = of.iter().filter_map(|label| known.get(label)).copied().collect();
+        distinct.into_iter().collect()
     };
     let sets = |named: &sets::Sets, singles: &BTreeSet<u64>, known: &HashMap<u64, u32>| {
         let single =

@@ -1,12 +1,6 @@
-//! Bars: `CBAR`.
-//!
-//! | file | is |
-//! |---|---|
-//! | `lines` | bars one behind the other, which are one beam |
-//! | `frame` | which cross-sections, bodies and nodes of shells move together |
+//! Bars: `CBAR`, and in `frame` what they move with.
 
 pub mod frame;
-pub mod lines;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,49 +10,8 @@ use super::cards::Card;
 use super::file::File;
 use super::numbers;
 use crate::mesh::MeshError;
+use crate::mesh::numbered::bars::{self, Bar, End, Release};
 use crate::mesh::numbered::{Parts, Reader, shown};
-
-/// Sine of the angle between the orientation vector and a bar, below which they are parallel.
-const PARALLEL: f64 = 1e-6;
-
-/// Motion that the end of a bar does not share with its node.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Release {
-    /// None.
-    Nothing,
-    /// Rotation about an axis.
-    Rotation(Vec3),
-    /// All rotations.
-    Rotations,
-}
-
-/// End of a bar.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct End {
-    /// Number of its node.
-    pub node: u64,
-    /// Its place, which lies beside the node where there is an offset.
-    pub point: Vec3,
-    /// Pin flags.
-    pub release: Release,
-}
-
-/// A bar.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Bar {
-    /// Number of the element.
-    pub label: u64,
-    /// Number of its property.
-    pub property: u64,
-    /// Both ends.
-    pub ends: [End; 2],
-    /// Orientation vector, in the plane of the axes x and y of the bar.
-    pub orientation: Vec3,
-    /// Axes x, y and z of the bar.
-    pub axes: [Vec3; 3],
-    /// Line of the card.
-    pub line: usize,
-}
 
 /// Nodes of all bars.
 pub fn nodes(file: &File<'_>) -> BTreeSet<u64> {
@@ -119,26 +72,19 @@ fn bar(reader: &Reader<'_>, card: &Card<'_>, parts: &Parts) -> Result<Bar, MeshE
         places[1] + offset(reader, card, (label, 'B', b), parts)?,
     ];
     card.only(reader, 16)?;
-    let error = |message: String, help: &str| reader.error(card.line, message, help);
-    let chord = points[1] - points[0];
-    let Some(x) = chord.try_normalize(0.0).filter(|_| a != b) else {
-        return Err(error(format!("both ends of CBAR {label} are in one place"), "check its nodes"));
-    };
-    let across = x.cross(&orientation);
-    if !(across.norm() > PARALLEL * orientation.norm()) {
-        return Err(error(
-            format!("the orientation vector of CBAR {label} is zero or along the bar"),
-            "give a vector across the bar in X1, X2 and X3, or a node beside it in G0",
-        ));
+    let name = format!("CBAR {label}");
+    if a == b {
+        let message = format!("both ends of {name} are in one place");
+        return Err(reader.error(card.line, message, "check its nodes"));
     }
-    let z = across.normalize();
-    let axes = [x, z.cross(&x), z];
+    let help = "give a vector across the bar in X1, X2 and X3, or a node beside it in G0";
+    let axes = bars::axes(reader, (card.line, &name), (points, orientation), help)?;
     let end = |k: usize| -> Result<End, MeshError> {
         let release = release(reader, card, (label, k), &axes)?;
         Ok(End { node: nodes[k], point: points[k], release })
     };
     let ends = [end(0)?, end(1)?];
-    Ok(Bar { label, property, ends, orientation, axes, line: card.line })
+    Ok(Bar { kind: "CBAR", label, property, ends, orientation, axes, line: card.line })
 }
 
 /// Place of a node that a card names.

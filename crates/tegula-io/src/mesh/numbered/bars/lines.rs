@@ -35,7 +35,7 @@ pub struct Line {
     pub direction: Vec3,
     /// Releases of both ends.
     pub releases: [Release; 2],
-    /// Line of the card of the first bar.
+    /// Line of the file with the first bar.
     pub line: usize,
 }
 
@@ -183,7 +183,7 @@ fn line(bars: &[Bar], links: &[Link]) -> Option<Line> {
     let [_, end] = ends(*links.last()?);
     let all = || std::iter::once(start).chain(links.iter().map(|link| ends(*link)[1]));
     Some(Line {
-        name: format!("CBAR {}", bar.label),
+        name: bar.name(),
         property: bar.property,
         nodes: all().map(|end| end.node).collect(),
         points: all().map(|end| end.point).collect(),
