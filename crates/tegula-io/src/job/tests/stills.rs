@@ -10,9 +10,8 @@ use crate::render::{self, At, Drawing};
 
 /// A run with these stills.
 fn swing(stills: &str) -> Result<Deck, String> {
-    let text = SWING
-        .replace("SCHEME", "newmark")
-        .replace("[output]", &format!("[output]\npictures = false\nstills = [{stills}]"));
+    let text =
+        SWING.replace("SCHEME", "newmark").replace("[output]", &format!("[output]\nstills = [{stills}]"));
     let found = Deck::parse("swing.toml", text).map_err(|found| format!("{found:?}"))?;
     crate::job::prepare(&found).map(|_| ()).map_err(|error| error.to_string())?;
     Ok(found)
