@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import contextlib
 import html
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from ._equations import Equations, State, compiled, equations_of
 from ._errors import AnalysisError, OutputError, TegulaError, warn
 from ._folder import TemporaryFolder
 from ._own import Materials, NodalForce, own_parts
+from ._part import Keys, Part, plain
 from ._process import use_threads
 from ._progress import Bar, Progress
 from ._result import MOST_IN_NOTEBOOK, Result, framed
 from ._simulation import Simulation
 from ._tegula import Deck
+
+if TYPE_CHECKING:
+    from . import parts
 
 
 @contextlib.contextmanager
@@ -35,21 +39,31 @@ def _reported(
 
 
 class Model:
-    """A model, from a dictionary with the keys of a model file.
+    """A model, from the tables of a model file: as objects of `tegula.parts`, as a dictionary, or as keywords.
 
-    Numbers and arrays of NumPy are taken as numbers and lists; a key with the value None is left out. `folder` is the place
-    that mesh files and the like are relative to.
+    Args:
+        keys: A `parts.Model`, or a dictionary with the keys of a model file. Its tables are objects or dictionaries; numbers and arrays of
+            NumPy are taken as numbers and lists; a key with the value None is left out.
+        folder: The place that mesh files and the like are relative to.
+        tables: The same keys by keywords, in place of `keys`: `Model(analysis=…, mesh=…)`.
 
-    Raises `ModelError` for keys and values that are wrong. What needs the mesh, such as the names of sets, is checked by
-    `check`, `run` and `simulation`.
+    Raises:
+        ModelError: keys and values are wrong. What needs the mesh, such as the names of sets, is checked by `check`, `run` and `simulation`.
+        TypeError: a keyword is no key of a model, or a value has no counterpart in a model file.
     """
 
     __slots__ = ("__weakref__", "_deck")
     _deck: Deck
 
-    def __init__(self, keys: dict[str, Any], *, folder: str | PathLike[str] = "") -> None:
+    def __init__(
+        self,
+        keys: parts.Model | Keys | None = None,
+        *,
+        folder: str | PathLike[str] = "",
+        **tables: Unpack[parts.ModelKeys],
+    ) -> None:
         base = Path(folder).absolute() if fspath(folder) else Path()
-        self._deck = Deck.parse(base / "<dict>", Deck.text_of(keys))
+        self._deck = Deck.parse(base / "<dict>", Deck.text_of(_table(keys, tables)))
 
     @classmethod
     def read(cls, path: str | PathLike[str]) -> Model:
@@ -227,12 +241,28 @@ class Model:
         return _from_text, (self.text, fspath(self._deck.path))
 
 
+def _table(keys: object, tables: Any) -> dict[str, Any]:
+    """Dictionary of a model that is given as an object, a dictionary or keywords."""
+    if keys is None:
+        from . import parts
+
+        keys = parts.Model(**tables)
+    elif tables:
+        raise TypeError(f"a model is given by one argument or by keywords: put {', '.join(tables)} into the argument")
+    if isinstance(keys, Part) and type(keys).__name__ != "Model":
+        raise TypeError(f"a tegula.parts.Model is expected, not {type(keys).__name__}, which is one table of a model")
+    if not isinstance(keys, (Mapping, Part)):
+        raise TypeError(f"a dictionary or a tegula.parts.Model is expected, not {type(keys).__name__}; Model.read reads a file")
+    table: dict[str, Any] = plain(keys)
+    return table
+
+
 def _from_text(text: str, path: str) -> Model:
     return Model.from_toml(text, path=path)
 
 
 def run(
-    model: str | PathLike[str] | dict[str, Any] | Model,
+    model: str | PathLike[str] | parts.Model | Keys | Model,
     out: str | PathLike[str] | None = None,
     *,
     resume: bool = False,
@@ -241,8 +271,8 @@ def run(
     loads: Iterable[NodalForce] | None = None,
     materials: Materials | None = None,
 ) -> Result:
-    """Runs a model file, a dictionary or a `Model`; see `Model.run`."""
-    if isinstance(model, dict):
+    """Runs a model file, a dictionary, a `parts.Model` or a `Model`; see `Model.run`."""
+    if isinstance(model, (Mapping, Part)):
         model = Model(model)
     elif not isinstance(model, Model):
         model = Model.read(model)
