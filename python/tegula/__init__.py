@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 from ._equations import Equations, State
 from ._errors import AnalysisError, Diagnostic, ModelError, ModelWarning, OutputError, TegulaError
+from ._gmsh import from_gmsh
 from ._mesh import from_meshio, from_pyvista
 from ._model import Model, run
 from ._own import ElasticLaw, NodalForce
@@ -58,6 +59,7 @@ __all__ = [
     "Table",
     "TegulaError",
     "__version__",
+    "from_gmsh",
     "from_meshio",
     "from_pyvista",
     "parts",

@@ -69,7 +69,7 @@ def from_meshio(mesh: Any) -> dict[str, Any]:
         if ":" in name:
             continue
         sets[0].setdefault(name, []).append(np.asarray(members, dtype=np.int64).ravel())
-    return _arrays(mesh.points, joined["quad"], sets)
+    return arrays_of(mesh.points, joined["quad"], sets)
 
 
 def from_pyvista(dataset: Any) -> dict[str, Any]:
@@ -96,7 +96,7 @@ def from_pyvista(dataset: Any) -> dict[str, Any]:
             values = np.asarray(arrays[name])
             if values.dtype == np.bool_ and values.ndim == 1 and values.any():
                 out[name] = [np.flatnonzero(values)]
-    return _arrays(grid.points, quads, sets)
+    return arrays_of(grid.points, quads, sets)
 
 
 def _other_cells(count: int, kind: str) -> str:
@@ -106,7 +106,8 @@ def _other_cells(count: int, kind: str) -> str:
     )
 
 
-def _arrays(points: Any, quads: Any, sets: tuple[Mapping[str, list[Indices]], ...]) -> dict[str, Any]:
+def arrays_of(points: Any, quads: Any, sets: tuple[Mapping[str, list[Indices]], ...]) -> dict[str, Any]:
+    """The key `mesh` of points, elements and sets of nodes, edges and elements."""
     nodes = np.asarray(points, dtype=np.float64)
     if nodes.ndim != 2 or nodes.shape[1] not in (2, 3):
         raise ValueError(f"points have 2 or 3 coordinates, and the shape of their array is {nodes.shape}")
