@@ -267,7 +267,10 @@ class Equations:
     def mass(self, state: State) -> csc_array:
         """Mass matrix M, n × n, of `scipy.sparse`, symmetric, in the pattern of the tangent; that of rigid bodies depends on the state.
 
-        Raises: as `tangent`.
+        Raises:
+            ImportError: SciPy is not installed.
+            ValueError: the state belongs to another model, or the analysis has no tangent (explicit steps, iterative linear solver).
+            AnalysisError: masses are not finite.
         """
         return self._square(self._equations.mass(compiled(state)))
 

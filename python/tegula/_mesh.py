@@ -21,7 +21,14 @@ def from_meshio(mesh: Any) -> dict[str, Any]:
     Quadrilaterals become elements. Sets of points become node sets, without points of no element; sets and physical groups of quadrilaterals become sets of
     elements, of lines sets of edges, of vertices sets of nodes; groups without a name are called by their number. Coordinates are lengths, in the unit of the model.
 
-    Raises `ValueError` for meshes with other cells, such as triangles.
+    Args:
+        mesh: The `meshio.Mesh`.
+
+    Returns:
+        The key: a dictionary with arrays, whose elements and nodes are counted from 0.
+
+    Raises:
+        ValueError: the mesh has other cells, such as triangles, or a set has cells that the mesh does not have.
     """
     counts = {"vertex": 0, "line": 0, "quad": 0}
     cells: dict[str, list[Indices]] = {"vertex": [], "line": [], "quad": []}
@@ -78,7 +85,14 @@ def from_pyvista(dataset: Any) -> dict[str, Any]:
     Arrays of truth values become sets: those at points node sets, without points of no element; those of cells sets of elements.
     Coordinates are lengths, in the unit of the model.
 
-    Raises `ValueError` for data sets with other cells, such as lines and triangles.
+    Args:
+        dataset: A data set of PyVista, such as `pyvista.PolyData`; not several blocks.
+
+    Returns:
+        The key: a dictionary with arrays, whose elements and nodes are counted from 0.
+
+    Raises:
+        ValueError: the data set has other cells, such as lines and triangles, or several blocks.
     """
     if not hasattr(dataset, "cast_to_unstructured_grid") or hasattr(dataset, "n_blocks"):
         raise ValueError(f"a {type(dataset).__name__} is no single data set: take one of its blocks, or `combine()` them")
