@@ -8,6 +8,7 @@ import tempfile
 import unittest
 import warnings
 from pathlib import Path
+from typing import Any
 
 import tegula
 
@@ -30,6 +31,12 @@ class Documents(unittest.TestCase):
         result = names["result"]
         assert isinstance(result, tegula.Result)
         self.assertAlmostEqual(result.history["tip.uz"][-1], -0.01904, places=5)
+
+    def test_the_code_of_the_page_on_pypi_runs(self) -> None:
+        (block,) = re.findall(r"^```python\n(.*?)^```$", (ROOT / "python/README.md").read_text("utf-8"), re.M | re.S)
+        names: dict[str, Any] = {}
+        exec(compile(block, "README.md", "exec"), names)
+        self.assertAlmostEqual(names["result"].history["tip.uz"][-1], -0.01904, places=5)
 
     def test_the_examples_find_the_numbers_of_the_literature(self) -> None:
         examples = sorted((ROOT / "examples/python").glob("*.py"))
