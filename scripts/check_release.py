@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Refuses files of a release that contradict each other: versions, the oldest Rust version, licences.
+"""Refuses files of a release that contradict each other: versions, the oldest Rust version, licences, links on PyPI.
 
 Usage: check_release.py
 """
@@ -40,6 +40,20 @@ def contradictions() -> list[str]:
     for name in project["license-files"]:
         if not (ROOT / name).is_file():
             out.append(f"pyproject.toml: {name} does not exist")
+    out += wrong_links("python/README.md", package["repository"])
+    return out
+
+
+def wrong_links(name: str, repository: str) -> list[str]:
+    """Sentences about links of a text outside of the repository: relative ones, and those to files that do not exist."""
+    out = []
+    raw = repository.replace("github.com", "raw.githubusercontent.com")
+    for target in re.findall(r"\]\(([^)\s]*)\)", (ROOT / name).read_text(encoding="utf-8")):
+        path = re.fullmatch(rf"(?:{re.escape(repository)}/(?:blob|tree)|{re.escape(raw)})/HEAD/([^#]*)(?:#.*)?", target)
+        if path and not (ROOT / path[1]).exists():
+            out.append(f"{name}: the link {target} leads to a file that does not exist")
+        elif not target.startswith("https://"):
+            out.append(f"{name}: PyPI shows it, where the link {target} leads nowhere: give the whole address, {repository}/blob/HEAD/…")
     return out
 
 

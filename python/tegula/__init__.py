@@ -1,6 +1,6 @@
 """Flexible multibody dynamics with thin and moderately thick shells.
 
-A model is a model file, its text, or a dictionary with the same keys:
+A model is a model file, its text, a dictionary with the same keys, or objects of `tegula.parts`:
 
 >>> import tegula
 >>> model = tegula.Model({
@@ -20,8 +20,11 @@ A model is a model file, its text, or a dictionary with the same keys:
 coupling with other programs; `Model.equations` has residual, tangent stiffness and mass matrix as functions of a state.
 """
 
+from typing import TYPE_CHECKING, Any
+
 from ._equations import Equations, State
 from ._errors import AnalysisError, Diagnostic, ModelError, ModelWarning, OutputError, TegulaError
+from ._gmsh import from_gmsh
 from ._mesh import from_meshio, from_pyvista
 from ._model import Model, run
 from ._own import ElasticLaw, NodalForce
@@ -29,6 +32,9 @@ from ._progress import Progress
 from ._result import FieldArrays, Fields, Frame, Result, StateSpace, Table
 from ._simulation import Energies, Simulation, Statistics
 from ._tegula import VERSION as __version__
+
+if TYPE_CHECKING:
+    from . import parts
 
 __all__ = [
     "AnalysisError",
@@ -53,7 +59,22 @@ __all__ = [
     "Table",
     "TegulaError",
     "__version__",
+    "from_gmsh",
     "from_meshio",
     "from_pyvista",
+    "parts",
     "run",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    # The many classes would take a third of the time of `import tegula`; models from files and dictionaries need none.
+    if name == "parts":
+        import importlib
+
+        return importlib.import_module(".parts", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -16,7 +16,7 @@ from ._tegula import State as CompiledState
 if TYPE_CHECKING:
     from scipy.sparse import csc_array, csr_array  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
-    from ._tegula import Compressed
+    from ._tegula import _Compressed
 
 
 def _sparse() -> Any:
@@ -267,7 +267,10 @@ class Equations:
     def mass(self, state: State) -> csc_array:
         """Mass matrix M, n × n, of `scipy.sparse`, symmetric, in the pattern of the tangent; that of rigid bodies depends on the state.
 
-        Raises: as `tangent`.
+        Raises:
+            ImportError: SciPy is not installed.
+            ValueError: the state belongs to another model, or the analysis has no tangent (explicit steps, iterative linear solver).
+            AnalysisError: masses are not finite.
         """
         return self._square(self._equations.mass(compiled(state)))
 
@@ -298,7 +301,7 @@ class Equations:
         pointers, numbers, entries = self._equations.expansion(compiled(state))
         return sparse.csr_array((entries, numbers, pointers), shape=(len(pointers) - 1, self.unknowns))
 
-    def _square(self, columns: Compressed) -> Any:
+    def _square(self, columns: _Compressed) -> Any:
         """Square matrix of its compressed columns."""
         pointers, rows, values = columns
         return _sparse().csc_array((values, rows, pointers), shape=(self.unknowns, self.unknowns))

@@ -17,18 +17,20 @@ class TegulaError(Exception):
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """One mistake in a model: where, what, and what to do.
-
-    `line` and `column` count from 1 in the text of the model file (of a model from a dictionary: in `Model.text`); they are
-    0 for the file as a whole. `key` is the path of the key, such as `loads[2].on`.
-    """
+    """One mistake in a model: where, what, and what to do."""
 
     file: str
+    """File of the mistake; of a model from a dictionary `<dict>`."""
     line: int
+    """Line in the text of the model file, from 1 (of a model from a dictionary: in `Model.text`); 0 for the file as a whole."""
     column: int
+    """Column in that line, from 1; 0 for the file as a whole."""
     key: str
+    """Path of the key, such as `loads[2].on`."""
     message: str
+    """What is wrong."""
     help: str
+    """What to do."""
 
     def __str__(self) -> str:
         place = f"{self.file}:{self.line}:{self.column}: " if self.line else f"{self.file}: "
@@ -38,9 +40,10 @@ class Diagnostic:
 
 
 class ModelError(TegulaError):
-    """The model is wrong; nothing was run. `diagnostics` lists everything that is wrong with it."""
+    """The model is wrong; nothing was run."""
 
     diagnostics: list[Diagnostic]
+    """Everything that is wrong with the model."""
 
     def __init__(self, found: list[tuple[str, int, int, str, str, str]]) -> None:
         super().__init__(found)
@@ -53,14 +56,12 @@ class ModelError(TegulaError):
 
 
 class AnalysisError(TegulaError):
-    """The analysis failed.
-
-    Of a run `result` has what it found up to the last finished step, in `folder`; of a `Simulation` both are None. A copy from
-    another process has no `result`.
-    """
+    """The analysis failed: no equilibrium, a step that fails, a matrix that is singular."""
 
     folder: Path | None
+    """Result folder of a run; None of a `Simulation`."""
     result: Result | None
+    """What a run found up to its last finished step; None of a `Simulation`, and in a copy from another process."""
 
     def __init__(self, message: str, folder: str | None = None) -> None:
         super().__init__(message, folder)

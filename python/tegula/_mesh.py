@@ -21,7 +21,14 @@ def from_meshio(mesh: Any) -> dict[str, Any]:
     Quadrilaterals become elements. Sets of points become node sets, without points of no element; sets and physical groups of quadrilaterals become sets of
     elements, of lines sets of edges, of vertices sets of nodes; groups without a name are called by their number. Coordinates are lengths, in the unit of the model.
 
-    Raises `ValueError` for meshes with other cells, such as triangles.
+    Args:
+        mesh: The `meshio.Mesh`.
+
+    Returns:
+        The key: a dictionary with arrays, whose elements and nodes are counted from 0.
+
+    Raises:
+        ValueError: the mesh has other cells, such as triangles, or a set has cells that the mesh does not have.
     """
     counts = {"vertex": 0, "line": 0, "quad": 0}
     cells: dict[str, list[Indices]] = {"vertex": [], "line": [], "quad": []}
@@ -69,7 +76,7 @@ def from_meshio(mesh: Any) -> dict[str, Any]:
         if ":" in name:
             continue
         sets[0].setdefault(name, []).append(np.asarray(members, dtype=np.int64).ravel())
-    return _arrays(mesh.points, joined["quad"], sets)
+    return arrays_of(mesh.points, joined["quad"], sets)
 
 
 def from_pyvista(dataset: Any) -> dict[str, Any]:
@@ -78,7 +85,14 @@ def from_pyvista(dataset: Any) -> dict[str, Any]:
     Arrays of truth values become sets: those at points node sets, without points of no element; those of cells sets of elements.
     Coordinates are lengths, in the unit of the model.
 
-    Raises `ValueError` for data sets with other cells, such as lines and triangles.
+    Args:
+        dataset: A data set of PyVista, such as `pyvista.PolyData`; not several blocks.
+
+    Returns:
+        The key: a dictionary with arrays, whose elements and nodes are counted from 0.
+
+    Raises:
+        ValueError: the data set has other cells, such as lines and triangles, or several blocks.
     """
     if not hasattr(dataset, "cast_to_unstructured_grid") or hasattr(dataset, "n_blocks"):
         raise ValueError(f"a {type(dataset).__name__} is no single data set: take one of its blocks, or `combine()` them")
@@ -96,7 +110,7 @@ def from_pyvista(dataset: Any) -> dict[str, Any]:
             values = np.asarray(arrays[name])
             if values.dtype == np.bool_ and values.ndim == 1 and values.any():
                 out[name] = [np.flatnonzero(values)]
-    return _arrays(grid.points, quads, sets)
+    return arrays_of(grid.points, quads, sets)
 
 
 def _other_cells(count: int, kind: str) -> str:
@@ -106,7 +120,8 @@ def _other_cells(count: int, kind: str) -> str:
     )
 
 
-def _arrays(points: Any, quads: Any, sets: tuple[Mapping[str, list[Indices]], ...]) -> dict[str, Any]:
+def arrays_of(points: Any, quads: Any, sets: tuple[Mapping[str, list[Indices]], ...]) -> dict[str, Any]:
+    """The key `mesh` of points, elements and sets of nodes, edges and elements."""
     nodes = np.asarray(points, dtype=np.float64)
     if nodes.ndim != 2 or nodes.shape[1] not in (2, 3):
         raise ValueError(f"points have 2 or 3 coordinates, and the shape of their array is {nodes.shape}")

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import contextlib
 import html
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from ._equations import Equations, State, compiled, equations_of
 from ._errors import AnalysisError, OutputError, TegulaError, warn
 from ._folder import TemporaryFolder
 from ._own import Materials, NodalForce, own_parts
+from ._part import Keys, Part, plain
 from ._process import use_threads
 from ._progress import Bar, Progress
 from ._result import MOST_IN_NOTEBOOK, Result, framed
 from ._simulation import Simulation
 from ._tegula import Deck
+
+if TYPE_CHECKING:
+    from . import parts
 
 
 @contextlib.contextmanager
@@ -35,30 +39,55 @@ def _reported(
 
 
 class Model:
-    """A model, from a dictionary with the keys of a model file.
+    """A model, from the tables of a model file: as objects of `tegula.parts`, as a dictionary, or as keywords.
 
-    Numbers and arrays of NumPy are taken as numbers and lists; a key with the value None is left out. `folder` is the place
-    that mesh files and the like are relative to.
+    Args:
+        keys: A `parts.Model`, or a dictionary with the keys of a model file. Its tables are objects or dictionaries; numbers and arrays of
+            NumPy are taken as numbers and lists; a key with the value None is left out.
+        folder: The place that mesh files and the like are relative to.
+        tables: The same keys by keywords, in place of `keys`: `Model(analysis=…, mesh=…)`.
 
-    Raises `ModelError` for keys and values that are wrong. What needs the mesh, such as the names of sets, is checked by
-    `check`, `run` and `simulation`.
+    Raises:
+        ModelError: keys and values are wrong. What needs the mesh, such as the names of sets, is checked by `check`, `run` and `simulation`.
+        TypeError: a keyword is no key of a model, or a value has no counterpart in a model file.
     """
 
     __slots__ = ("__weakref__", "_deck")
     _deck: Deck
 
-    def __init__(self, keys: dict[str, Any], *, folder: str | PathLike[str] = "") -> None:
+    def __init__(
+        self,
+        keys: parts.Model | Keys | None = None,
+        *,
+        folder: str | PathLike[str] = "",
+        **tables: Unpack[parts.ModelKeys],
+    ) -> None:
         base = Path(folder).absolute() if fspath(folder) else Path()
-        self._deck = Deck.parse(base / "<dict>", Deck.text_of(keys))
+        self._deck = Deck.parse(base / "<dict>", Deck.text_of(_table(keys, tables)))
 
     @classmethod
     def read(cls, path: str | PathLike[str]) -> Model:
-        """Reads a model file (TOML)."""
+        """Reads a model file (TOML).
+
+        Args:
+            path: The file. Files that the model names, such as meshes, are relative to its folder.
+
+        Raises:
+            ModelError: there is no such file, or its keys and values are wrong.
+        """
         return cls._of(Deck.read(path))
 
     @classmethod
     def from_toml(cls, text: str, *, path: str | PathLike[str] = "<text>") -> Model:
-        """Reads the text of a model file. `path` appears in errors, and files that the model names lie beside it."""
+        """Reads the text of a model file (TOML).
+
+        Args:
+            text: The text.
+            path: Path that appears in errors, and beside which files lie that the model names; it need not exist.
+
+        Raises:
+            ModelError: keys and values are wrong.
+        """
         return cls._of(Deck.parse(path, text))
 
     @classmethod
@@ -69,7 +98,7 @@ class Model:
 
     @property
     def title(self) -> str:
-        """Title of the model."""
+        """Title of the model; the empty text where it has none."""
         return self._deck.title
 
     @property
@@ -90,9 +119,13 @@ class Model:
         return self._deck.as_dict()
 
     def check(self) -> list[str]:
-        """Checks the model without running it; returns warnings.
+        """Checks the model without running it: reads its mesh, and finds sets, supports and materials.
 
-        Raises `ModelError` with everything that is wrong.
+        Returns:
+            Warnings, whole sentences.
+
+        Raises:
+            ModelError: with everything that is wrong.
         """
         use_threads()
         return self._deck.check()
@@ -110,18 +143,27 @@ class Model:
     ) -> Result:
         """Runs the model, as `tegula run` does.
 
-        `out` is the result folder; without it the results are in a temporary folder that lasts as long as the `Result`.
-        `resume` restarts from the checkpoint of an interrupted run, `force` replaces the results of another model.
-        `progress=True` shows a bar in a notebook, or on the terminal of standard error; elsewhere nothing. A function
-        `progress` is called at the start (step 0) and after each step; an exception in it ends the run after that step, and
-        where `out` is given the run can be resumed. Outside Python's main thread it is called in a thread of the computation.
-        Modal and buckling analyses have no steps, and so no progress.
+        Warnings of the run are `ModelWarning`s at its end. Other threads of Python run meanwhile. Ctrl-C ends the run after the step with `KeyboardInterrupt`.
 
-        `loads` are forces that are functions, and `materials` has laws that are functions by the names of the materials that they replace, each
-        an `ElasticLaw` or its function. They act in all of the `[[steps]]`. An exception in one ends the run, which raises it; a run that is resumed takes the same ones.
+        Args:
+            out: The result folder; without it the results are in a temporary folder that lasts as long as the `Result`.
+            resume: Whether an interrupted run restarts from its checkpoint in `out`.
+            force: Whether the results of another model in `out` are replaced.
+            progress: `True` shows a bar in a notebook, or on the terminal of standard error; elsewhere nothing. A function is called with a `Progress` at the
+                start (step 0) and after each step; an exception in it ends the run after that step, and where `out` is given the run can
+                be resumed. Outside Python's main thread it is called in a thread of the computation. Modal and buckling analyses have no
+                steps, and so no progress.
+            loads: Forces that are functions. They act in all of the `[[steps]]`; a run that is resumed takes the same ones.
+            materials: Laws that are functions, by the names of the materials that they replace, each an `ElasticLaw` or its function.
 
-        Warnings of the run are `ModelWarning`s at its end. Other threads of Python run meanwhile. Ctrl-C ends the run after the step with `KeyboardInterrupt`. Raises
-        `ModelError`, `AnalysisError`, `OutputError`.
+        Returns:
+            The results.
+
+        Raises:
+            ModelError: the model is wrong; nothing was run.
+            AnalysisError: the analysis failed; its `result` has what was found up to the last finished step.
+            OutputError: the folder cannot be used, or a result cannot be written.
+            ValueError: `resume` without `out`, or functions do not fit the model. An exception in a function is raised as it is.
         """
         use_threads()
         own = own_parts(loads, materials)
@@ -157,16 +199,20 @@ class Model:
     ) -> Simulation:
         """Begins the static, path or transient analysis of the model, to be advanced step by step.
 
-        `signals` names amplitudes whose values are set between the steps: loads, motions and drives that follow such an
-        amplitude take the value that `Simulation.set` gives it, constant within a step. They act in transient analyses with
-        the scheme `energy-momentum`.
+        Args:
+            signals: Names of amplitudes whose values are set between the steps: loads, motions and drives that follow such an
+                amplitude take the value that `Simulation.set` gives it, constant within a step. They act in transient analyses with
+                the scheme `energy-momentum`.
+            start: A state that another simulation has reached, of the same model or of one with other loads or another end, from
+                which this one continues: of the same model to the last bit (on paths up to round-off). Both have the same kind of analysis
+                with the same scheme. Signals are to be set again, and `loads` and `materials` to be given again.
+            loads: Forces that are functions, as those of `run`.
+            materials: Laws that are functions, as those of `run`.
 
-        `start` is a state that another simulation has reached, of the same model or of one with other loads or another end, from
-        which this one continues: of the same model to the last bit (on paths up to round-off). Both have the same kind of analysis with
-        the same scheme. Signals are to be set again, and `loads` and `materials`, as those of `run`, to be given again.
-
-        Raises `ModelError` where the model is wrong, `KeyError` for an unknown amplitude, `ValueError` for analyses without
-        steps and states of other models.
+        Raises:
+            ModelError: the model is wrong.
+            KeyError: an amplitude of `signals` is unknown.
+            ValueError: the analysis has no steps, or the state belongs to another model.
         """
         use_threads()
         if isinstance(signals, str):
@@ -179,9 +225,14 @@ class Model:
     def equations(self, *, loads: Iterable[NodalForce] | None = None, materials: Materials | None = None) -> Equations:
         """Equations of motion of the model: residual, tangent stiffness, mass matrix and constraints as functions of a state.
 
-        `loads` and `materials` are functions, as those of `run`. Of a model with `[[steps]]` they are those of the first one. Those of a simulation, with its signals, are `Simulation.equations`.
+        Of a model with `[[steps]]` they are those of the first one. Those of a simulation, with its signals, are `Simulation.equations`.
 
-        Raises `ModelError` where the model is wrong.
+        Args:
+            loads: Forces that are functions, as those of `run`.
+            materials: Laws that are functions, as those of `run`.
+
+        Raises:
+            ModelError: the model is wrong.
         """
         use_threads()
         return equations_of(self._deck.equations(own_parts(loads, materials)), 2)
@@ -227,12 +278,28 @@ class Model:
         return _from_text, (self.text, fspath(self._deck.path))
 
 
+def _table(keys: object, tables: Any) -> dict[str, Any]:
+    """Dictionary of a model that is given as an object, a dictionary or keywords."""
+    if keys is None:
+        from . import parts
+
+        keys = parts.Model(**tables)
+    elif tables:
+        raise TypeError(f"a model is given by one argument or by keywords: put {', '.join(tables)} into the argument")
+    if isinstance(keys, Part) and type(keys).__name__ != "Model":
+        raise TypeError(f"a tegula.parts.Model is expected, not {type(keys).__name__}, which is one table of a model")
+    if not isinstance(keys, (Mapping, Part)):
+        raise TypeError(f"a dictionary or a tegula.parts.Model is expected, not {type(keys).__name__}; Model.read reads a file")
+    table: dict[str, Any] = plain(keys)
+    return table
+
+
 def _from_text(text: str, path: str) -> Model:
     return Model.from_toml(text, path=path)
 
 
 def run(
-    model: str | PathLike[str] | dict[str, Any] | Model,
+    model: str | PathLike[str] | parts.Model | Keys | Model,
     out: str | PathLike[str] | None = None,
     *,
     resume: bool = False,
@@ -241,8 +308,27 @@ def run(
     loads: Iterable[NodalForce] | None = None,
     materials: Materials | None = None,
 ) -> Result:
-    """Runs a model file, a dictionary or a `Model`; see `Model.run`."""
-    if isinstance(model, dict):
+    """Runs a model.
+
+    Args:
+        model: Path of a model file, a dictionary with its keys, a `parts.Model`, or a `Model`.
+        out: The result folder; without it the results are in a temporary folder that lasts as long as the `Result`.
+        resume: Whether an interrupted run restarts from its checkpoint in `out`.
+        force: Whether the results of another model in `out` are replaced.
+        progress: A bar (`True`) or a function, as that of `Model.run`.
+        loads: Forces that are functions.
+        materials: Laws that are functions, by the names of the materials that they replace.
+
+    Returns:
+        The results.
+
+    Raises:
+        ModelError: the model is wrong; nothing was run.
+        AnalysisError: the analysis failed; its `result` has what was found up to the last finished step.
+        OutputError: the folder cannot be used, or a result cannot be written.
+        ValueError: `resume` without `out`, or functions do not fit the model.
+    """
+    if isinstance(model, (Mapping, Part)):
         model = Model(model)
     elif not isinstance(model, Model):
         model = Model.read(model)

@@ -91,13 +91,23 @@ class Frame:
         return Fields(file.points(), quads, lines, FieldArrays(file, False), FieldArrays(file, True))
 
     def to_meshio(self) -> Any:
-        """The mesh with its fields as a `meshio.Mesh`; needs the package meshio."""
+        """The mesh with its fields as a `meshio.Mesh`: displacements, stresses and others in `point_data` and `cell_data`.
+
+        Raises:
+            ImportError: the package meshio is not installed.
+            meshio.ReadError: the file cannot be read.
+        """
         import meshio  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
         return meshio.read(self.path)
 
     def to_pyvista(self) -> Any:
-        """The mesh with its fields as a `pyvista.UnstructuredGrid`; needs the package pyvista."""
+        """The mesh with its fields as a `pyvista.UnstructuredGrid`, in the reference configuration unless the model has `output.deformed`.
+
+        Raises:
+            ImportError: the package pyvista is not installed.
+            FileNotFoundError: there is no such file.
+        """
         import pyvista  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
         return pyvista.read(self.path)
@@ -120,7 +130,10 @@ def _result(path: Path, keep: TemporaryFolder | None) -> Result:
 
 
 class Table(Mapping[str, NDArray[np.float64]]):
-    """Columns of a table by their names; each is a read-only array with an entry for each row."""
+    """Columns of a table by their names; each is a read-only array with an entry for each row.
+
+    Units are those of the columns, as the page *Results* of the book lists them. An unknown name is a `KeyError` that lists the names.
+    """
 
     def __init__(self, path: Path) -> None:
         self._columns = dict(read_table(path))
@@ -152,17 +165,21 @@ class StateSpace(NamedTuple):
     """Linearisation ż = A z + B u, y = C z + D u; the states are the coordinates, modes first, and behind them their rates."""
 
     a: NDArray[np.float64]
+    """System matrix A, s × s, with s states: twice the number of coordinates."""
     b: NDArray[np.float64]
+    """Input matrix B, s × (number of inputs)."""
     c: NDArray[np.float64]
+    """Output matrix C, (number of outputs) × s."""
     d: NDArray[np.float64]
+    """Feedthrough matrix D, (number of outputs) × (number of inputs)."""
     inputs: list[str]
     """Names of the inputs u."""
     outputs: list[str]
     """Names of the outputs y, such as `tip.uz`."""
     omega: NDArray[np.float64]
-    """Circular frequency of each coordinate (rad/time)."""
+    """Circular frequency of each coordinate (rad/time), s/2."""
     damping_ratio: NDArray[np.float64]
-    """Damping ratio of each coordinate."""
+    """Damping ratio of each coordinate, s/2."""
 
 
 def _matrix(path: Path) -> NDArray[np.float64]:
@@ -178,15 +195,25 @@ class Result:
 
     A run with `[[steps]]` has the results of each analysis in `analyses`; those of a failed or interrupted run are readable,
     too: look at `status`. A pickle of a result in a temporary folder holds its files; that of another one holds the path of its folder.
+
+    Args:
+        folder: The result folder, of `run` or of the program.
+
+    Raises:
+        OutputError: the folder is no result folder, or its `summary.json` is damaged.
     """
+
+    folder: Path
+    """The result folder."""
+    summary: dict[str, Any]
+    """Contents of `summary.json`: status, costs and results of the run."""
 
     def __init__(self, folder: str | PathLike[str], *, _keep: TemporaryFolder | None = None) -> None:
         self.folder = Path(folder)
-        """The result folder."""
         self._keep = _keep
         path = self.folder / "summary.json"
         try:
-            self.summary: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+            self.summary = json.loads(path.read_text(encoding="utf-8"))
         except OSError as error:
             raise OutputError(f"{self.folder} is no result folder of a run: {error}") from error
         except ValueError as error:
@@ -197,23 +224,39 @@ class Result:
 
     @property
     def status(self) -> str:
-        """`complete`, `failed`, `interrupted` or `running`."""
+        """Status of the run: `complete`, `failed`, `interrupted` or `running`."""
         return str(self.summary["status"])
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings of the run."""
+        """Warnings of the run, whole sentences."""
         return list(self.summary.get("warnings", []))
 
     def table(self, name: str) -> Table:
-        """A table of the folder by its file name, such as `modes.csv`."""
+        """A table of the folder, which is read once.
+
+        Args:
+            name: File name of the table, such as `modes.csv`.
+
+        Returns:
+            A mapping of names of columns to arrays with an entry for each row.
+
+        Raises:
+            OutputError: there is no such table, or it cannot be read.
+        """
         if name not in self._tables:
             self._tables[name] = Table(self.folder / name)
         return self._tables[name]
 
     @property
     def history(self) -> Table:
-        """Columns of the history by their names, a row a step: `time`, `tip.uz`, `kinetic`."""
+        """Columns of the history by their names, such as `time`, `tip.uz` and `kinetic`: arrays with an entry for each recorded step.
+
+        Units are those of the model, or those that its `output.units` names.
+
+        Raises:
+            OutputError: the analysis has no history (modal and buckling analyses, runs of several analyses), or its file cannot be read.
+        """
         if self.summary.get("analyses"):
             raise OutputError("each of several analyses has a history of its own: take one of `analyses`")
         if self.summary["analysis"] in ("modal", "buckling"):
@@ -222,12 +265,20 @@ class Result:
 
     @property
     def frequencies(self) -> NDArray[np.float64]:
-        """Natural frequencies of a modal analysis (cycles per unit of time)."""
+        """Natural frequencies of a modal analysis (cycles per unit of time), one for each mode, in ascending order.
+
+        Raises:
+            OutputError: the run is no modal analysis.
+        """
         return self._numbers("frequencies_hz", "natural frequencies: it is no modal analysis")
 
     @property
     def load_factors(self) -> NDArray[np.float64]:
-        """Load factors of a buckling analysis."""
+        """Load factors of a buckling analysis, one for each mode: multiples of the loads under which the structure buckles.
+
+        Raises:
+            OutputError: the run is no buckling analysis.
+        """
         return self._numbers("load_factors", "load factors: it is no buckling analysis")
 
     def _numbers(self, key: str, what: str) -> NDArray[np.float64]:
@@ -237,12 +288,20 @@ class Result:
 
     @property
     def frames(self) -> list[Frame]:
-        """Files with the fields, in the order of time."""
+        """Files with the fields, in the order of time; none of modal and buckling analyses.
+
+        Raises:
+            OutputError: the list `fields.pvd` is damaged.
+        """
         return self._frames("fields.pvd")
 
     @property
     def modes(self) -> list[Frame]:
-        """Files with the mode shapes of a modal or buckling analysis."""
+        """Files with the mode shapes of a modal or buckling analysis, in the order of the modes; none of other analyses.
+
+        Raises:
+            OutputError: the list `modes.pvd` is damaged.
+        """
         return self._frames("modes.pvd")
 
     def _frames(self, name: str) -> list[Frame]:
@@ -257,7 +316,11 @@ class Result:
 
     @property
     def state_space(self) -> StateSpace:
-        """Linearisation of a modal analysis with `inputs`."""
+        """Linearisation of a modal analysis with `inputs`: its matrices, and the names of inputs and outputs.
+
+        Raises:
+            OutputError: the run is no modal analysis with `inputs`, or a file of the matrices is damaged.
+        """
         path = self.folder / "state_space.json"
         if not path.exists():
             raise OutputError(f"the run in {self.folder} has no state space: it is no modal analysis with inputs")
@@ -273,13 +336,21 @@ class Result:
 
     @property
     def analyses(self) -> dict[str, Result]:
-        """Results of the analyses of a run with `[[steps]]`, by their names."""
+        """Results of the analyses of a run with `[[steps]]` by their names, without those that have not begun; empty of a run of one analysis.
+
+        Raises:
+            OutputError: the folder of an analysis is damaged.
+        """
         steps = self.summary.get("analyses") or []
         return {s["name"]: Result(self.folder / s["folder"], _keep=self._keep) for s in steps if s.get("status")}
 
     @property
     def branches(self) -> dict[int, Result]:
-        """Results of the paths that cross a path, by the number of the bifurcation; negative for the other side of its mode."""
+        """Results of the paths that cross a path, by the number of the bifurcation; negative for the other side of its mode.
+
+        Raises:
+            OutputError: the folder of a path is damaged.
+        """
         found = self.summary.get("branches") or []
         return {b["bifurcation"]: Result(self.folder / b["folder"], _keep=self._keep) for b in found if b.get("status")}
 

@@ -14,26 +14,33 @@ from ._tegula import Steps
 
 
 class Energies(NamedTuple):
-    """Energies at the end of a step."""
+    """Energies at the end of a step, in the unit force × length of the model."""
 
     kinetic: float
+    """Kinetic energy; 0 in statics."""
     strain: float
+    """Strain energy."""
     potential: float
     """Potential of gravity (in statics: of all dead loads)."""
     work: float
     """Work of the other loads."""
     dissipated: float
+    """Energy that damping and plastic flow have dissipated since the start."""
     total: float
-    """Sum that an exact integration keeps constant."""
+    """kinetic + strain + potential + dissipated − work, which an exact integration keeps constant."""
 
 
 class Statistics(NamedTuple):
     """Run counters."""
 
     steps: int
+    """Finished steps."""
     iterations: int
+    """Iterations of all steps."""
     factorizations: int
+    """Factorisations of the tangent."""
     cutbacks: int
+    """Steps that were repeated with a smaller step size."""
 
 
 class Simulation:
@@ -59,11 +66,19 @@ class Simulation:
         return self._made
 
     def advance(self, steps: int = 1) -> int:
-        """Takes `steps` steps; returns the iterations of the last one. A step of an explicit scheme is a number of time steps.
+        """Takes steps. A step of an explicit scheme is a number of time steps.
 
-        Raises `AnalysisError` where a step fails, and the state is still that before it; `ValueError` at the end of the
-        analysis. Warnings of the analysis are `ModelWarning`s. Other threads of Python run meanwhile; Ctrl-C is noticed between
-        steps.
+        Warnings of the analysis are `ModelWarning`s. Other threads of Python run meanwhile; Ctrl-C is noticed between steps.
+
+        Args:
+            steps: Number of steps, at least 1.
+
+        Returns:
+            The iterations of the last step.
+
+        Raises:
+            AnalysisError: a step fails; the state is still that before it.
+            ValueError: the analysis has come to its end, or `steps` is less than 1.
         """
         if steps < 1:
             raise ValueError(f"advance takes at least one step, not {steps}")
@@ -76,16 +91,31 @@ class Simulation:
 
         The step ends at the same time when it is taken again, so another program can be coupled by iterations within each step; it ends earlier
         only where a body then hits a stop or begins to stick.
-        Raises `ValueError` before the first step, and if the last step has already been undone.
+
+        Raises:
+            ValueError: no step has been taken, or the last step has already been undone.
         """
         self._steps.repeat()
 
     def set(self, signal: str, value: float) -> None:
-        """Sets the value of a signal for the steps to come; `values` still refers to the last step."""
+        """Sets the value of a signal for the steps to come; `values` still refers to the last step.
+
+        Args:
+            signal: Name of a signal, one of `signals`.
+            value: Value of the amplitude for loads, motions and drives, constant within a step.
+
+        Raises:
+            KeyError: there is no such signal.
+            ValueError: the value is not finite.
+        """
         self._steps.set_signal(signal, value)
 
     def signal(self, name: str) -> float:
-        """Present value of a signal."""
+        """Present value of a signal.
+
+        Raises:
+            KeyError: there is no such signal.
+        """
         return self._steps.signal_value(name)
 
     @property
@@ -120,53 +150,64 @@ class Simulation:
 
     @property
     def energies(self) -> Energies:
-        """Energies of the present state."""
+        """Energies of the present state (force × length): kinetic, strain and potential energy, work, dissipation, and their sum."""
         return Energies(*self._steps.energies())
 
     @property
     def statistics(self) -> Statistics:
-        """Run counters so far."""
+        """Run counters so far: steps, iterations, factorisations and cut-backs."""
         return Statistics(*self._steps.statistics())
 
     @property
     def columns(self) -> list[str]:
-        """Names of the columns of the history."""
+        """Names of the columns of the history, those of `values`."""
         return self._steps.columns()
 
     def values(self) -> dict[str, float]:
         """All columns of the history for the present state: points, energies, momenta, reactions, bodies, joints, sensors.
 
-        Raises `ValueError` between `repeat` and `advance`, as forces belong to a step.
+        Raises:
+            ValueError: the last step has been undone by `repeat`, and forces belong to a step.
         """
         return dict(zip(self._steps.columns(), self._steps.row().tolist(), strict=True))
 
     def nodes_on(self, set: str) -> NDArray[np.uint32]:
-        """Nodes of a set of the mesh, as numbers of rows."""
+        """Nodes of a set of the mesh, of any kind, in ascending order: rows of `positions`, `velocities` and the other arrays.
+
+        Args:
+            set: Name of a set of nodes, edges or elements, or `all`.
+
+        Returns:
+            The rows, counted from 0.
+
+        Raises:
+            KeyError: the mesh has no such set.
+        """
         return self._steps.nodes_on(set)
 
     @property
     def displacements(self) -> NDArray[np.float64]:
-        """Displacements of the nodes (length), n × 3."""
+        """Displacements of the nodes from the reference configuration (length), n × 3, a copy."""
         return self._steps.displacements()
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """Positions of the nodes (length), n × 3."""
+        """Positions of the nodes (length), n × 3, a copy."""
         return self._steps.positions()
 
     @property
     def directors(self) -> NDArray[np.float64]:
-        """Directors of the nodes, n × 3; zero where a node has none."""
+        """Directors of the nodes (no unit), n × 3, a copy; zero where a node has none."""
         return self._steps.directors()
 
     @property
     def velocities(self) -> NDArray[np.float64]:
-        """Velocities of the nodes (length/time), n × 3; zero in statics."""
+        """Velocities of the nodes (length/time), n × 3, a copy; zero in statics."""
         return self._steps.velocities()
 
     @property
     def quads(self) -> NDArray[np.uint32]:
-        """Quadrilaterals of the mesh by the numbers of their nodes, m × 4."""
+        """Quadrilaterals of the mesh by the rows of their nodes, m × 4, counted from 0."""
         return self._steps.quads()
 
     def __reduce__(self) -> tuple[Any, ...]:

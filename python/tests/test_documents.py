@@ -8,6 +8,7 @@ import tempfile
 import unittest
 import warnings
 from pathlib import Path
+from typing import Any
 
 import tegula
 
@@ -31,6 +32,12 @@ class Documents(unittest.TestCase):
         assert isinstance(result, tegula.Result)
         self.assertAlmostEqual(result.history["tip.uz"][-1], -0.01904, places=5)
 
+    def test_the_code_of_the_page_on_pypi_runs(self) -> None:
+        (block,) = re.findall(r"^```python\n(.*?)^```$", (ROOT / "python/README.md").read_text("utf-8"), re.M | re.S)
+        names: dict[str, Any] = {}
+        exec(compile(block, "README.md", "exec"), names)
+        self.assertAlmostEqual(names["result"].history["tip.uz"][-1], -0.01904, places=5)
+
     def test_the_examples_find_the_numbers_of_the_literature(self) -> None:
         examples = sorted((ROOT / "examples/python").glob("*.py"))
         self.assertGreater(len(examples), 2)
@@ -40,9 +47,10 @@ class Documents(unittest.TestCase):
                 runpy.run_path(str(example), run_name="__main__")
 
     def test_the_docstrings_are_right(self) -> None:
-        tried = doctest.testmod(tegula)
-        self.assertGreater(tried.attempted, 3)
-        self.assertEqual(tried.failed, 0)
+        for module, least in ((tegula, 4), (tegula.parts, 2)):
+            tried = doctest.testmod(module)
+            self.assertGreaterEqual(tried.attempted, least)
+            self.assertEqual(tried.failed, 0)
 
 
 if __name__ == "__main__":
