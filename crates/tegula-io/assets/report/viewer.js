@@ -218,7 +218,7 @@ class Viewer {
     this.home = null;
     this.onpick = () => {};
     this.ondraw = () => {};
-    [this.playing, this.level, this.before, this.gaps] = [false, 0, -Infinity, []];
+    [this.playing, this.slow, this.before, this.gaps] = [false, this.software, -Infinity, []];
     this.map("viridis");
     this.listen();
     this.box = canvas.getBoundingClientRect();
@@ -318,19 +318,19 @@ class Viewer {
     });
   }
 
-  /** Chooses the number of pixels of moving shapes by the times between their pictures. */
+  /** Finds out by the times between the pictures of a moving shape whether drawing is slow. */
   adapt(gap) {
     this.gaps.push(gap);
     if (this.gaps.length < PICTURES) return;
-    if (this.gaps.reduce((a, b) => a + b) > PICTURES * SLOW) this.level = Math.min(this.level + 1, 2);
+    this.slow ||= this.gaps.reduce((a, b) => a + b) > PICTURES * SLOW;
     this.gaps = [];
   }
 
-  /** Pixels of the canvas for each pixel of the page. */
+  /** Pixels of the canvas for each pixel of the page. With less than one the browser enlarges each picture, which takes longer than to draw it. */
   ratio(moving) {
     const own = Math.min(window.devicePixelRatio || 1, 2);
-    if (!moving) return this.software ? 2 : own;
-    return [own, Math.min(own, 1), 0.7][this.level];
+    if (moving) return this.slow ? Math.min(own, 1) : own;
+    return this.software ? 2 : own;
   }
 
   draw(moving = false) {
