@@ -11,6 +11,7 @@ from typing import Any
 
 import tegula
 from browser import InBrowser
+from reports import fine_model
 
 try:
     from selenium.webdriver import ActionChains
@@ -231,6 +232,99 @@ class Reports(InBrowser):
         self.opened(self.folder / "steps" / "report.html")
         wide = self.script("done(document.documentElement.scrollWidth - document.documentElement.clientWidth)")
         self.assertLessEqual(wide, 0, "nothing is wider than the screen of a phone")
+        self.assert_silent()
+
+    def test_fine_meshes_show_their_colours_in_every_state(self) -> None:
+        result = tegula.Model(fine_model()).run(self.folder / "fine")
+        path = result.report()
+        self.assertLess(path.stat().st_size, 30e6)
+        self.opened(path)
+        slider = self.browser.find_element(By.CSS_SELECTOR, "input[type=range]")
+        self.assertEqual(int(slider.get_attribute("max")), 199)
+        self.assertTrue(self.script("done(state.stage.edges.checked)"))
+        drawn, _, _, coloured, whole = self.pixels()
+        self.assertGreater(drawn, 0.05 * whole)
+        self.assertGreater(coloured, 0.3 * drawn, "edges of elements do not cover the faces")
+        shown = self.script(
+            """const { stage } = state, shown = [];
+            for (let i = 0; i <= Number(stage.slider.max); i++) {
+              stage.at(i);
+              stage.viewer.draw();
+              shown.push([stage.label.textContent, stage.viewer.meshes[0].moved.at(-1)]);
+            }
+            done(shown);"""
+        )
+        self.assertEqual(len({label for label, _ in shown}), 200)
+        self.assertGreater(len({height for _, height in shown}), 190, "the shape moves")
+        canvas = self.browser.find_element(By.TAG_NAME, "canvas")
+        canvas.send_keys(Keys.HOME, " ")
+        time.sleep(1.0)
+        self.assertGreater(self.script("done(state.stage.viewer.frames)"), 200)
+        canvas.send_keys(" ")
+        self.assert_silent()
+
+    def test_edges_are_drawn_of_elements_that_are_large(self) -> None:
+        for elements, edged in (([4, 4], True), ([64, 64], False)):
+            model = {**PENDULUM, "mesh": {"type": "plate", "size": [1.0, 1.0], "grid": {"elements": elements}},
+                     "analysis": {"type": "static"}, "conditions": [{"type": "clamp", "on": "u_min"}]}
+            self.opened(self.result(f"edges{elements[0]}", model).report())
+            dark = self.script(
+                """const { viewer } = state.stage, { gl, canvas } = viewer;
+                viewer.draw();
+                const size = 4 * canvas.width * canvas.height;
+                const read = (on) => {
+                  viewer.show.edges = on;
+                  viewer.draw();
+                  const p = new Uint8Array(size);
+                  gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, p);
+                  return p;
+                };
+                const [without, edged] = [read(false), read(true)];
+                let faces = 0, changed = 0;
+                for (let i = 0; i < size; i += 4) {
+                  if (without[i] + without[i + 1] + without[i + 2] > 720) continue;
+                  faces++;
+                  if (Math.abs(without[i + 1] - edged[i + 1]) > 12) changed++;
+                }
+                done(changed / faces);"""
+            )
+            self.assertLess(dark, 0.15)
+            if edged:
+                self.assertGreater(dark, 0.002)
+        self.assert_silent()
+
+    def test_keys_turn_zoom_and_move_the_view(self) -> None:
+        self.opened(self.result("keys", PENDULUM).report())
+        canvas = self.browser.find_element(By.TAG_NAME, "canvas")
+        view = "done([state.stage.viewer.view.azimuth, state.stage.viewer.view.elevation, state.stage.viewer.view.distance])"
+        azimuth, elevation, distance = self.script(view)
+        at = self.script("done(state.stage.slider.value)")
+        canvas.send_keys(Keys.SHIFT, Keys.ARROW_LEFT, Keys.ARROW_UP, Keys.NULL)
+        canvas.send_keys("i")
+        turned = self.script(view)
+        self.assertEqual(turned[:2], [azimuth + 5, elevation + 5])
+        self.assertAlmostEqual(turned[2], 0.8 * distance)
+        self.assertEqual(self.script("done(state.stage.slider.value)"), at, "the state stays")
+        target = self.script("done(state.stage.viewer.view.target)")
+        canvas.send_keys("d")
+        self.assertNotEqual(self.script("done(state.stage.viewer.view.target)"), target)
+        canvas.send_keys("r")
+        self.assertEqual(self.script(view), [azimuth, elevation, distance])
+        self.assert_silent()
+
+    def test_the_legend_of_phones_is_beside_the_shape(self) -> None:
+        path = self.result("phone", PENDULUM).report()
+        self.browser.execute_cdp_cmd(
+            "Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 3, "mobile": True}
+        )
+        self.addCleanup(self.browser.execute_cdp_cmd, "Emulation.clearDeviceMetricsOverride", {})
+        self.opened(path)
+        bottom, top, high = self.script(
+            """const place = (name) => document.querySelector(name).getBoundingClientRect();
+            done([place('.bar').bottom, place('canvas').top, place('canvas').height]);"""
+        )
+        self.assertLessEqual(bottom, top + 1)
+        self.assertGreater(high, 200)
         self.assert_silent()
 
     def test_a_notebook_shows_the_report(self) -> None:

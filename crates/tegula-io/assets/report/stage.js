@@ -145,6 +145,9 @@ function rounded125(x) {
   return power * [5, 2, 1].find((f) => f * power <= x * (1 + 1e-9));
 }
 
+/** Number of elements beyond which their edges are not shown at first. */
+const MOST_EDGED = 20000;
+
 /** Controls and state of the shapes. */
 class Stage {
   constructor(holder, parts) {
@@ -153,7 +156,7 @@ class Stage {
     const button = (text, title, onclick) => element("button", { type: "button", title, onclick }, text);
     const labelled = (text, control) => element("label", {}, text, " ", control);
     this.canvas = element("canvas", { tabIndex: 0 });
-    this.canvas.setAttribute("aria-label", "shape of the model; drag to turn, wheel to zoom, shift and drag to move");
+    this.canvas.setAttribute("aria-label", "shape of the model; drag or shift and arrows to turn, wheel or i and o to zoom, shift and drag or w a s d to move");
     this.picker = element("select", { onchange: () => this.open(this.picker.selectedIndex) }, ...this.list.map(({ part, scene }) => element("option", {}, part.name ? `${part.name}: ${scene.name}` : scene.name)));
     this.field = element("select", { onchange: () => this.recolour() });
     this.each = element("select", { onchange: () => this.recolour() }, element("option", { value: "all" }, "all states"), element("option", { value: "one" }, "this state"));
@@ -165,22 +168,25 @@ class Stage {
     this.scale = element("input", { type: "number", step: "any", size: 7, onchange: () => this.update() });
     this.ranges = element("span", { className: "group" }, labelled("range of", this.each), labelled("map", this.map));
     this.colours = element("span", { className: "group" }, labelled("colour", this.field), this.ranges);
-    const tick = (key, text) => labelled(text, element("input", { type: "checkbox", checked: true, onchange: (e) => { this.viewer.show[key] = e.target.checked; this.viewer.redraw(); } }));
+    const tick = (key) => element("input", { type: "checkbox", checked: true, onchange: (e) => this.tick(key, e.target.checked) });
+    [this.edges, this.undeformed] = [tick("edges"), tick("undeformed")];
+    this.edges.title = "fainter where elements are less than 16 pixels high, and left out below 6";
     this.bar = element("div", { className: "bar" });
     this.triad = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     this.triad.setAttribute("class", "triad");
     this.invitation = element("p", {}, "Click on a shell to see values over time at its nearest node.");
     this.node = element("div", { className: "node" }, this.invitation);
     this.markList = element("div", { className: "marks" });
-    const [scale, undeformed] = [labelled("displacements ×", this.scale), tick("undeformed", "undeformed")];
-    const time = element("div", { className: "time" }, this.play, this.slider, this.label), keys = element("span", {}, " Keys: space, ← →, + −, r.");
+    const [scale, undeformed] = [labelled("displacements ×", this.scale), labelled("undeformed", this.undeformed)];
+    const time = element("div", { className: "time" }, this.play, this.slider, this.label), keys = element("span", {}, " Keys: space plays, ← → step, + − scale.");
+    const viewing = " Keys of the view: shift and arrows turn, i and o zoom in and out, w a s d move, r resets.";
     this.ofMotion = [scale, undeformed, time, keys];
     [this.phase, this.due, this.picked] = [0, 0, null];
     holder.append(
-      element("div", { className: "controls" }, ...(this.list.length > 1 ? [labelled("show", this.picker)] : []), this.colours, scale, tick("edges", "edges"), undeformed, button("reset view", "first direction of view (r)", () => this.viewer.reset()), button("save picture", "save the picture as PNG", () => this.save())),
+      element("div", { className: "controls" }, ...(this.list.length > 1 ? [labelled("show", this.picker)] : []), this.colours, scale, labelled("edges", this.edges), undeformed, button("reset view", "first direction of view (r)", () => this.viewer.reset()), button("save picture", "save the picture as PNG", () => this.save())),
       element("div", { className: "stage" }, this.canvas, this.bar, this.triad),
       time,
-      element("p", { className: "hint" }, "Drag to turn, wheel to zoom, shift and drag to move.", keys),
+      element("p", { className: "hint" }, "Drag to turn, wheel to zoom, shift and drag to move.", keys, viewing),
       this.markList,
       this.node,
     );
@@ -188,6 +194,12 @@ class Stage {
     this.viewer.onpick = (found) => this.pick(found);
     this.viewer.ondraw = () => this.drawTriad();
     document.addEventListener("keydown", (e) => this.key(e));
+  }
+
+  /** Shows or hides edges or the undeformed outline. */
+  tick(key, on) {
+    this[key].checked = this.viewer.show[key] = on;
+    this.viewer.redraw();
   }
 
   /** Shows another scene. */
@@ -221,6 +233,7 @@ class Stage {
     const first = ["von_mises/", "displacement/magnitude"].find((name) => choices.some(([value]) => value === name));
     this.field.value = choices.some(([value]) => value === kept) ? kept : this.modes ? "displacement/magnitude" : first || "";
     this.viewer.load(this.shapes.meshes);
+    this.tick("edges", this.shapes.meshes.reduce((sum, { quads }) => sum + quads.length / 4, 0) <= MOST_EDGED);
     if (this.still) await this.openModel();
     this.viewer.fit(...this.swept());
     this.slider.value = this.modes ? this.firstElastic() : this.slider.max;
@@ -319,6 +332,10 @@ class Stage {
 
   legend() {
     const names = this.viewer.sided ? ["side of the directors", "other side"] : this.chosen?.categories;
+    // The browser lays out the page again for a legend that is replaced, which takes longer than to draw the shape.
+    const told = JSON.stringify([names, this.chosen && this.viewer.range, this.field.value, this.map.value]);
+    if (told === this.told) return;
+    this.told = told;
     this.bar.classList.toggle("names", Boolean(names));
     if (names) {
       const colour = (i) => (this.viewer.sided ? SIDES[i].map((c) => 255 * c) : categoryColour(i));
@@ -328,13 +345,15 @@ class Stage {
     }
     if (!this.chosen) return this.bar.replaceChildren();
     const map = MAPS[this.map.value], [low, high] = this.viewer.range;
-    const stops = map.map((_, i) => `rgb(${colourAt(map, i / (map.length - 1))})`).reverse();
+    const stops = map.map((_, i) => `rgb(${colourAt(map, i / (map.length - 1))})`);
     const ticks = [1, 0.75, 0.5, 0.25, 0].map((t) => element("span", {}, shortNumber(Number((low * (1 - t) + high * t).toPrecision(4)))));
-    this.bar.replaceChildren(element("b", {}, this.field.selectedOptions[0]?.textContent || ""), element("div", { className: "ramp", style: `background: linear-gradient(${stops})` }), element("div", { className: "ticks" }, ...ticks));
+    this.bar.replaceChildren(element("b", {}, this.field.selectedOptions[0]?.textContent || ""), element("div", { className: "ramp", style: `--stops: ${stops}` }), element("div", { className: "ticks" }, ...ticks));
   }
 
   drawTriad() {
-    const { right, up } = this.viewer.axes();
+    const { right, up } = this.viewer.axes(), told = String([right, up]);
+    if (told === this.direction) return;
+    this.direction = told;
     this.triad.innerHTML = ["x", "y", "z"].map((name, i) => {
       const [x, y] = [40 + 26 * right[i], 40 - 26 * up[i]], [tx, ty] = [40 + 35 * right[i], 44 - 35 * up[i]];
       return `<line x1="40" y1="40" x2="${x}" y2="${y}"/><text x="${tx}" y="${ty}">${name}</text>`;
@@ -346,7 +365,7 @@ class Stage {
       this.stop();
       return this.update();
     }
-    this.playing = true;
+    this.playing = this.viewer.playing = true;
     this.play.textContent = "⏸";
     const last = Number(this.slider.max), { values } = this.shapes.scene, span = values[this.shapes.shown[last]] - values[0];
     // A series lasts six seconds, a period of a mode 1.6.
@@ -376,7 +395,7 @@ class Stage {
   /** Ends the animation; a mode is shown at its largest displacement. */
   stop() {
     cancelAnimationFrame(this.due);
-    this.playing = false;
+    this.playing = this.viewer.playing = false;
     this.play.textContent = "▶";
     this.phase = 0;
   }
@@ -386,8 +405,12 @@ class Stage {
     if (e.ctrlKey || e.metaKey || e.altKey || !this.shapes) return;
     const move = (by) => this.at(Math.max(0, Math.min(Number(this.slider.max), Number(this.slider.value) + by)));
     const scaled = (by) => { this.scale.value = Number((Number(this.scale.value) * by).toPrecision(6)); this.update(); };
-    const actions = { " ": () => this.toggle(), ArrowLeft: () => move(-1), ArrowRight: () => move(1), "+": () => scaled(1.25), "-": () => scaled(0.8), r: () => this.viewer.reset() };
-    if (this.still && e.key !== "r") return;
+    const { viewer } = this, turn = (right, up) => () => viewer.turn(5 * right, 5 * up), shift = (right, up) => () => viewer.pan(20 * right, 20 * up);
+    // With marked text shift and arrows mark more or less of it.
+    const turns = document.getSelection().isCollapsed ? { ArrowLeft: turn(1, 0), ArrowRight: turn(-1, 0), ArrowUp: turn(0, 1), ArrowDown: turn(0, -1) } : {};
+    const views = { r: () => viewer.reset(), i: () => viewer.zoom(0.8), o: () => viewer.zoom(1.25), w: shift(0, -1), a: shift(-1, 0), s: shift(0, 1), d: shift(1, 0) };
+    const motions = { " ": () => this.toggle(), ArrowLeft: () => move(-1), ArrowRight: () => move(1), "+": () => scaled(1.25), "-": () => scaled(0.8) };
+    const actions = e.shiftKey && e.key.startsWith("Arrow") ? turns : this.still ? views : { ...views, ...motions };
     if (!actions[e.key] || (e.key === " " && e.target.tagName === "BUTTON")) return;
     e.preventDefault();
     actions[e.key]();

@@ -1,6 +1,11 @@
 "use strict";
 /* Shapes in three dimensions by WebGL 2: meshes of quadrilaterals and lines, coloured by a field. */
 
+/** Time between two pictures below which the shape counts as moving (ms). */
+const PAUSE = 400;
+/** Time between two pictures of a moving shape above which its next pictures have fewer pixels (ms), and the number of pictures that it is the mean of. */
+const [SLOW, PICTURES] = [45, 6];
+
 /** Colours of the pictures: the palette of series, and viridis. */
 const COLOURS = JSON.parse(document.getElementById("colours").textContent);
 /** Colour maps: colours at equal distances, as hexadecimal numbers. Both are readable by colour-blind people. */
@@ -13,13 +18,22 @@ const GREY = [0.72, 0.74, 0.77];
 
 const SURFACE = {
   vertex: `#version 300 es
-    uniform mat4 camera; in vec3 position; in float value;
-    out vec3 place; out float shade;
-    void main() { place = position; shade = value; gl_Position = camera * vec4(position, 1.0); }`,
+    uniform mat4 camera; in vec3 position; in float value; in vec4 heights;
+    out vec3 place; out float shade; out vec4 height;
+    void main() { place = position; shade = value; height = heights; gl_Position = camera * vec4(position, 1.0); }`,
   fragment: `#version 300 es
     precision highp float;
     uniform sampler2D map; uniform vec3 eye; uniform vec3 plain; uniform bool coloured; uniform bool sided; uniform vec3 front; uniform vec3 back;
-    in vec3 place; in float shade; out vec4 colour;
+    uniform float ratio; uniform bool edges;
+    in vec3 place; in float shade; in vec4 height; out vec4 colour;
+    // A line is one pixel of the page wide, half of it in each of the two elements that share it. Where an element is less than 16 pixels high above
+    // one of its edges, this edge is fainter; below 6 pixels it is left out, since the lines would cover the faces.
+    float line() {
+      vec4 dx = dFdx(height), dy = dFdy(height), per = sqrt(dx * dx + dy * dy) + 1e-9;
+      vec4 size = 1.0 / (per * ratio), near = height / per;
+      vec4 ink = clamp(0.5 * max(ratio, 1.0) + 0.5 - near, 0.0, 1.0) * smoothstep(6.0, 16.0, size);
+      return max(max(ink.x, ink.y), max(ink.z, ink.w));
+    }
     void main() {
       vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
       vec3 view = normalize(eye - place);
@@ -28,6 +42,7 @@ const SURFACE = {
       vec3 base = coloured && !missing ? texture(map, vec2(clamp(shade, 0.0, 1.0), 0.5)).rgb : plain;
       if (sided) base = gl_FrontFacing ? front : back;
       colour = vec4(base * light, 1.0);
+      if (edges) colour.rgb = mix(colour.rgb, vec3(0.12, 0.13, 0.15), 0.85 * line());
     }`,
 };
 const LINE = {
@@ -79,6 +94,25 @@ function times(a, b) {
   return out;
 }
 
+/**
+ * Heights of the corners of a cell above its four edges, 255 at the corners that an edge does not touch. Triangles are quadrilaterals with two equal
+ * corners, whose edge of no length is nowhere drawn.
+ */
+function heightsOf(corners) {
+  const out = new Array(16).fill(0), has = (e, p) => corners[e] === p || corners[(e + 1) & 3] === p;
+  for (let e = 0; e < 4; e++)
+    for (let c = 0; c < 4; c++) out[4 * c + e] = corners[e] === corners[(e + 1) & 3] || !has(e, corners[c]) ? 255 : 0;
+  return out;
+}
+
+/** Whether the graphics are drawn by the processor. */
+function drawnBySoftware() {
+  const gl = document.createElement("canvas").getContext("webgl2"), more = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = gl ? String(gl.getParameter(more ? more.UNMASKED_RENDERER_WEBGL : gl.RENDERER)) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
 /** A mesh on the graphics card. Each cell has corners of its own, so that values of cells end at its edges. */
 class DrawnMesh {
   constructor(gl, mesh) {
@@ -91,19 +125,19 @@ class DrawnMesh {
     this.node.set(quads);
     this.node.set(lines, 4 * nq);
     for (let i = 0; i < this.count; i++) this.cell[i] = i < 4 * nq ? i >> 2 : nq + ((i - 4 * nq) >> 1);
-    const triangles = new Uint32Array(6 * nq), edges = [], seen = new Map();
+    const triangles = new Uint32Array(6 * nq), heights = new Uint8Array(4 * this.count), seen = new Map();
     for (let q = 0; q < nq; q++) {
       const v = 4 * q;
       triangles.set([v, v + 1, v + 2, v, v + 2, v + 3], 6 * q);
+      heights.set(heightsOf(quads.subarray(v, v + 4)), 4 * v);
       for (let e = 0; e < 4; e++) {
         const a = quads[v + e], b = quads[v + ((e + 1) & 3)];
         if (a === b) continue;
         const key = Math.min(a, b) * mesh.points + Math.max(a, b), number = seen.get(key) || 0;
-        if (!number) edges.push(v + e, v + ((e + 1) & 3));
         seen.set(key, number + 1);
       }
     }
-    for (let l = 0; l < 2 * nl; l++) edges.push(4 * nq + l);
+    const ends = Uint32Array.from({ length: 2 * nl }, (_, l) => 4 * nq + l);
     const rim = [];
     for (const [key, number] of seen) if (number === 1) rim.push(Math.floor(key / mesh.points), key % mesh.points);
     this.positions = new Float32Array(3 * this.count);
@@ -111,9 +145,11 @@ class DrawnMesh {
     this.moved = new Float32Array(3 * mesh.points);
     this.buffers = {
       positions: gl.createBuffer(), values: gl.createBuffer(), reference: gl.createBuffer(),
-      triangles: this.indices(triangles), edges: this.indices(new Uint32Array(edges)), rim: this.indices(new Uint32Array(rim)),
+      heights: gl.createBuffer(), triangles: this.indices(triangles), lines: this.indices(ends), rim: this.indices(new Uint32Array(rim)),
     };
-    this.sizes = { triangles: 6 * nq, edges: edges.length, lines: 2 * nl, rim: rim.length };
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers.heights);
+    gl.bufferData(gl.ARRAY_BUFFER, heights, gl.STATIC_DRAW);
+    this.sizes = { triangles: 6 * nq, lines: 2 * nl, rim: rim.length };
   }
 
   indices(data) {
@@ -165,7 +201,9 @@ class DrawnMesh {
 class Viewer {
   constructor(canvas) {
     this.canvas = canvas;
-    const gl = (this.gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true }));
+    // Software smooths still pictures by twice as many pixels each way, since smoothing by the graphics doubles the cost of each picture that moves.
+    this.software = drawnBySoftware();
+    const gl = (this.gl = canvas.getContext("webgl2", { antialias: !this.software, alpha: false }));
     if (!gl) throw new Error("this browser has no WebGL 2");
     this.surface = this.program(SURFACE);
     this.line = this.program(LINE);
@@ -180,9 +218,14 @@ class Viewer {
     this.home = null;
     this.onpick = () => {};
     this.ondraw = () => {};
+    [this.playing, this.slow, this.before, this.gaps] = [false, this.software, -Infinity, []];
     this.map("viridis");
     this.listen();
-    new ResizeObserver(() => this.redraw()).observe(canvas);
+    this.box = canvas.getBoundingClientRect();
+    new ResizeObserver(() => {
+      this.box = canvas.getBoundingClientRect();
+      this.redraw();
+    }).observe(canvas);
   }
 
   program(source) {
@@ -196,8 +239,10 @@ class Viewer {
     }
     gl.bindAttribLocation(program, 0, "position");
     gl.bindAttribLocation(program, 1, "value");
+    gl.bindAttribLocation(program, 2, "heights");
     gl.linkProgram(program);
-    return { program, at: (name) => gl.getUniformLocation(program, name) };
+    const places = new Map();
+    return { program, at: (name) => places.get(name) ?? places.set(name, gl.getUniformLocation(program, name)).get(name) };
   }
 
   /** Chooses a colour map. */
@@ -259,16 +304,37 @@ class Viewer {
     return times(lens, look);
   }
 
+  /** Draws at the next turn of the page; while pictures follow one another, those before the last one have fewer pixels where drawing is slow. */
   redraw() {
     if (this.due) return;
-    this.due = requestAnimationFrame(() => {
+    this.due = requestAnimationFrame((now) => {
+      const gap = now - this.before, moving = this.playing || gap < PAUSE;
       this.due = 0;
-      this.draw();
+      this.before = now;
+      if (gap < PAUSE) this.adapt(gap);
+      clearTimeout(this.rest);
+      this.draw(moving);
+      if (moving) this.rest = setTimeout(() => this.draw(), PAUSE);
     });
   }
 
-  draw() {
-    const { gl, canvas } = this, box = canvas.getBoundingClientRect(), ratio = Math.min(window.devicePixelRatio || 1, 2);
+  /** Finds out by the times between the pictures of a moving shape whether drawing is slow. */
+  adapt(gap) {
+    this.gaps.push(gap);
+    if (this.gaps.length < PICTURES) return;
+    this.slow ||= this.gaps.reduce((a, b) => a + b) > PICTURES * SLOW;
+    this.gaps = [];
+  }
+
+  /** Pixels of the canvas for each pixel of the page. With less than one the browser enlarges each picture, which takes longer than to draw it. */
+  ratio(moving) {
+    const own = Math.min(window.devicePixelRatio || 1, 2);
+    if (moving) return this.slow ? Math.min(own, 1) : own;
+    return this.software ? 2 : own;
+  }
+
+  draw(moving = false) {
+    const { gl, canvas, box } = this, ratio = this.ratio(moving);
     const [w, h] = [Math.max(1, Math.round(box.width * ratio)), Math.max(1, Math.round(box.height * ratio))];
     if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
     gl.viewport(0, 0, w, h);
@@ -282,39 +348,42 @@ class Viewer {
     gl.uniform3fv(this.surface.at("plain"), GREY);
     gl.uniform3fv(this.surface.at("front"), SIDES[0]);
     gl.uniform3fv(this.surface.at("back"), SIDES[1]);
+    gl.uniform1f(this.surface.at("ratio"), ratio);
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
     for (const drawn of this.meshes) {
       gl.uniform1i(this.surface.at("coloured"), drawn.coloured ? 1 : 0);
+      gl.uniform1i(this.surface.at("edges"), this.show.edges && !drawn.mesh.outline ? 1 : 0);
       gl.uniform1i(this.surface.at("sided"), this.sided && !drawn.mesh.outline ? 1 : 0);
       this.bind(0, drawn.buffers.positions, 3);
       this.bind(1, drawn.buffers.values, 1);
+      this.bind(2, drawn.buffers.heights, 4, gl.UNSIGNED_BYTE);
       this.elements(gl.TRIANGLES, drawn.buffers.triangles, drawn.sizes.triangles);
     }
     gl.disableVertexAttribArray(1);
+    gl.disableVertexAttribArray(2);
     gl.useProgram(this.line.program);
     gl.uniformMatrix4fv(this.line.at("camera"), false, camera);
     for (const drawn of this.meshes) {
-      const { edges, lines, rim } = drawn.sizes, ink = this.line.at("ink"), aside = this.line.at("aside");
+      const { lines, rim } = drawn.sizes;
       this.bind(0, drawn.buffers.positions, 3);
-      gl.uniform4f(ink, 0.12, 0.13, 0.15, 1);
-      gl.uniform2f(aside, 0, 0);
-      if (this.show.edges && !drawn.mesh.outline) this.elements(gl.LINES, drawn.buffers.edges, edges - lines);
-      // Lines of WebGL are one pixel wide; those of bodies, beams and springs are drawn several times beside each other.
-      gl.uniform4f(ink, 0.24, 0.29, 0.36, 1);
-      for (const [x, y] of [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]]) {
-        gl.uniform2f(aside, (2 * x * ratio) / w, (2 * y * ratio) / h);
-        this.elements(gl.LINES, drawn.buffers.edges, lines, 4 * (edges - lines));
-      }
-      gl.uniform2f(aside, 0, 0);
-      if (this.show.undeformed) {
-        gl.uniform4f(ink, 0.55, 0.57, 0.6, 1);
-        this.bind(0, drawn.buffers.reference, 3);
-        this.elements(gl.LINES, drawn.buffers.rim, drawn.mesh.outline ? 0 : rim);
-      }
+      if (lines) this.strokes([0.24, 0.29, 0.36, 1], 1, [w, h], ratio, () => this.elements(gl.LINES, drawn.buffers.lines, lines));
+      if (!this.show.undeformed || drawn.mesh.outline) continue;
+      this.bind(0, drawn.buffers.reference, 3);
+      this.strokes([0.55, 0.57, 0.6, 1], ratio > 1 ? 0.25 : 0, [w, h], ratio, () => this.elements(gl.LINES, drawn.buffers.rim, rim));
     }
     if (this.marks.length) this.drawMarks(camera, [w, h], ratio);
     this.frames = (this.frames || 0) + 1;
     this.ondraw();
+  }
+
+  /** Draws lines several times beside each other, since those of WebGL are one pixel wide; `apart` is their distance in pixels of the page. */
+  strokes(ink, apart, [w, h], ratio, draw) {
+    const { gl } = this;
+    gl.uniform4f(this.line.at("ink"), ...ink);
+    for (const [x, y] of apart ? [[0, 0], [apart, 0], [-apart, 0], [0, apart], [0, -apart]] : [[0, 0]]) {
+      gl.uniform2f(this.line.at("aside"), (2 * x * ratio) / w, (2 * y * ratio) / h);
+      draw();
+    }
   }
 
   /** A mark on the graphics card: points, ends of lines and corners of triangles, as lists of coordinates. */
@@ -349,11 +418,7 @@ class Viewer {
       else gl.enable(gl.DEPTH_TEST);
       gl.useProgram(this.line.program);
       for (const { colour, lines } of this.marks)
-        for (const [x, y] of [[0, 0], [0.7, 0], [-0.7, 0], [0, 0.7], [0, -0.7]]) {
-          gl.uniform4f(this.line.at("ink"), ...colour, opacity);
-          gl.uniform2f(this.line.at("aside"), (2 * x * ratio) / w, (2 * y * ratio) / h);
-          draw(lines, gl.LINES);
-        }
+        this.strokes([...colour, opacity], 0.7, [w, h], ratio, () => draw(lines, gl.LINES));
       gl.useProgram(this.marker.program);
       gl.uniformMatrix4fv(this.marker.at("camera"), false, camera);
       for (const { colour, symbol, size, points } of this.marks) {
@@ -366,17 +431,17 @@ class Viewer {
     gl.disable(gl.BLEND);
   }
 
-  bind(place, buffer, size) {
+  bind(place, buffer, size, type = this.gl.FLOAT) {
     const { gl } = this;
     gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
     gl.enableVertexAttribArray(place);
-    gl.vertexAttribPointer(place, size, gl.FLOAT, false, 0, 0);
+    gl.vertexAttribPointer(place, size, type, type !== gl.FLOAT, 0, 0);
   }
 
-  elements(mode, buffer, count, offset = 0) {
+  elements(mode, buffer, count) {
     if (!count) return;
     this.gl.bindBuffer(this.gl.ELEMENT_ARRAY_BUFFER, buffer);
-    this.gl.drawElements(mode, count, this.gl.UNSIGNED_INT, offset);
+    this.gl.drawElements(mode, count, this.gl.UNSIGNED_INT, 0);
   }
 
   /** Places of the points of a mesh on the canvas, with their distances; those behind the viewer have none. */

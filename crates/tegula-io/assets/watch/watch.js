@@ -61,7 +61,7 @@ class LiveStage extends Stage {
   constructor(holder) {
     super(holder, []);
     this.slider.hidden = this.play.hidden = this.each.parentElement.hidden = true;
-    this.ofMotion[3].textContent = " Keys: + −, r.";
+    this.ofMotion[3].textContent = " Keys: + − scale.";
     this.invitation.textContent = "Click on a shell to see the displacement at its nearest node.";
     this.scale.addEventListener("input", () => (this.chosenScale = true));
   }
