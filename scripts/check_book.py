@@ -19,7 +19,6 @@ the Python blocks of `results.md` are run, too; they need h5py, pandas, pyarrow 
 """
 
 import functools
-import json
 import os
 import re
 import shlex
@@ -30,6 +29,8 @@ import tempfile
 import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
+
+from toml_text import model_text
 
 ROOT = Path(__file__).resolve().parent.parent
 BOOK = ROOT / "book/src"
@@ -86,17 +87,6 @@ def blocks(page: Path) -> list[Block]:
     return found
 
 
-def toml(value: object) -> str:
-    """Value in TOML; tables are inline ones."""
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{json.dumps(key)} = {toml(entry)}" for key, entry in value.items()) + " }"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(toml, value)) + "]"
-    if isinstance(value, float):
-        return repr(value)
-    return json.dumps(value, ensure_ascii=False)
-
-
 def added(block: Block) -> dict:
     """Bodies, materials, amplitudes and sets that the comment of a block adds to its base."""
     # Bodies lie apart from each other, and none of them on a joint of the book.
@@ -144,7 +134,7 @@ def model(block: Block) -> str:
         base[block.says["into"]][0].update(fragment)
         fragment = {}
     whole = merge(merge(base, added(block)), fragment)
-    return "".join(f"{json.dumps(key)} = {toml(value)}\n" for key, value in whole.items())
+    return model_text(whole)
 
 
 def models(all_blocks: list[Block]) -> list[tuple[Block, str]]:
