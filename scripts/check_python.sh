@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 python=${1:-python}
-packages=(meshio pyvista scipy mypy nbclient ipykernel matplotlib selenium)
+packages=(meshio pyvista scipy pandas mypy nbclient ipykernel matplotlib selenium)
 # Gmsh has no wheel for Linux on ARM: its tests are skipped there.
 [ "$(uname -sm)" = "Linux aarch64" ] || packages+=(gmsh)
 "$python" -m pip install --quiet --disable-pip-version-check "${packages[@]}"

@@ -17,12 +17,17 @@ FONT = "DejaVu Sans, Helvetica, Arial, sans-serif"
 
 @dataclass
 class Series:
-    """One line of a plot; `marked` is False for closed forms, which are drawn thin and grey."""
+    """One series of a plot; `marked` is False for closed forms, which are drawn thin and grey.
+
+    Curves of many points are drawn without `markers`, points of a reference without a `line`.
+    """
 
     name: str
     x: Sequence[float]
     y: Sequence[float]
     marked: bool = True
+    line: bool = True
+    markers: bool = True
 
 
 @dataclass
@@ -72,7 +77,8 @@ def axis(ticks: dict[float, str], log: bool, low: float, high: float):
 
 def svg(plot: Plot, source: str) -> str:
     """Text of the figure; `source` names what computed it."""
-    width, height, left, top, legend = 400, 230, 62, 34, 270
+    width, height, top, legend = 400, 230, 34, 270
+    left = max(62, 30 + 8 * max(map(len, plot.y_ticks.values())))
     x = axis(plot.x_ticks, plot.x_log, left, left + width)
     y = axis(plot.y_ticks, plot.y_log, top + height, top)
     full = (left + width + legend, top + height + 52)
@@ -103,10 +109,12 @@ def svg(plot: Plot, source: str) -> str:
         pixels = [(x(a), y(b)) for a, b in zip(s.x, s.y, strict=True) if not (plot.y_log and b <= 0)]
         line = " ".join(f"{a:.1f},{b:.1f}" for a, b in pixels)
         look = f'fill="none" stroke="{colour}" stroke-width="{2 if s.marked else 1.4}" stroke-dasharray="{dash or "none"}"'
-        out.append(f'<polyline points="{line}" {look} clip-path="url(#inside)"/>')
+        if s.line:
+            out.append(f'<polyline points="{line}" {look} clip-path="url(#inside)"/>')
         at, down = left + width + 14, top + 10 + 22 * row
-        out.append(f'<path d="M{at} {down}h34" {look}/>')
-        if kind:
+        if s.line:
+            out.append(f'<path d="M{at} {down}h34" {look}/>')
+        if kind and s.markers:
             out.append('<g clip-path="url(#inside)">' + "".join(marker(kind, a, b, colour) for a, b in pixels) + "</g>")
             out.append(marker(kind, at + 17, down, colour))
         out.append(f'<text x="{at + 42}" y="{down + 4.5}">{escape(s.name)}</text>')
@@ -114,10 +122,14 @@ def svg(plot: Plot, source: str) -> str:
     return "\n".join(out) + "\n"
 
 
-def kept(path: Path) -> dict[str, list[list[float]]]:
-    """Numbers of the series of a figure that was written before."""
-    text = path.read_text(encoding="utf-8")
+def numbers_of(text: str) -> dict[str, list[list[float]]]:
+    """Numbers of the series of a figure, by name."""
     text = text[text.index("<desc>") + 6 : text.index("</desc>")]
     for entity, letter in [("&lt;", "<"), ("&gt;", ">"), ("&amp;", "&")]:
         text = text.replace(entity, letter)
     return json.loads(text)["values"]
+
+
+def kept(path: Path) -> dict[str, list[list[float]]]:
+    """Numbers of the series of a figure that was written before."""
+    return numbers_of(path.read_text(encoding="utf-8"))

@@ -31,7 +31,7 @@ MODULES = {
         ["BodyShape", "RigidBody", "BeamSection", "Beam", "SpringDamper", "TorsionSpring", "Bushing", "Tie"],
     ),
     "joints": ("Joints", ["JointFriction", "JointStops", "Joint"]),
-    "output": ("Sensors and output", ["Sensor", "OutputPoint", "Cut", "Field", "Units", "Output"]),
+    "output": ("Sensors and output", ["Sensor", "OutputPoint", "Cut", "Field", "Still", "Units", "Output"]),
     "analysis": (
         "Analyses",
         ["NewtonMethod", "LinearSolver", "Crossing", "StopCondition", "Continuation", "PathMethod", "AllBranches", "Branches",

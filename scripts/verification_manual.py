@@ -2,13 +2,16 @@
 """Writes the verification manual of the book, one page for each case, from the values of a verification.
 
     tegula verify --json verify.json
-    python3 scripts/verification_manual.py verify.json [--check]
+    python3 scripts/verification_manual.py verify.json PROGRAM [--all] [--check]
 
-It computes nothing itself. Definition and comparison come from the table of cases in `book/src/verification.md`, sources from the remarks of the reference tables, models
-from `verification/models`; the files of a case are those that its code includes, or the table `OWN`. With `--check` nothing is written, and the exit code is 1
-where a page is missing, has other words, or has numbers that differ by more than two units of the last printed digit.
+The figures show the values of the verification; those of whole histories and paths are drawn from runs of the models by PROGRAM, in less than a minute of
+processor time. Cases without values, and without `--all` the figures of those that take long, stay as they are. Definition and comparison come from the table of
+cases in `book/src/verification.md`, sources from the remarks of the reference tables, models from `verification/models`; the files of a case are those that its
+code includes, or the table `OWN`. With `--check` nothing is written, and the exit code is 1 where a page or figure is missing, has other words, or has numbers
+that differ by more than two units of the last printed digit, in figures by more than two thousandths of the range of a curve.
 """
 
+import html
 import json
 import math
 import re
@@ -17,10 +20,14 @@ from collections import defaultdict
 from pathlib import Path
 
 from check_tables import same
+from line_plot import svg
+from verification_curves import CURVES, LONG, Run, runner
+from verification_figures import FIGURES, figures_agree
 
 ROOT = Path(__file__).resolve().parent.parent
 BOOK = ROOT / "book/src"
 PAGES = BOOK / "verification/cases"
+PICTURES = BOOK / "pictures/verification"
 CODE = ROOT / "verification/src/verify"
 # Values that a page lists one by one at most; of more it gives the largest use of each element and mesh.
 LISTED = 40
@@ -58,7 +65,8 @@ OWN = {
     "paths-roofs": ["sze_paths.csv", "hinged_roof.toml"],
     "paths-balloon": ["balloon.csv"],
     "paths-full-load": ["sze_paths.csv", "open_cylinder.toml", "strip.toml", "slit_annulus.toml"],
-    "hinged-plate": ["transients.csv", "hinged_plate.toml", "oscillating_plate.toml"],
+    "hinged-plate": ["transients.csv", "hinged_plate.toml"],
+    "oscillating-plate": ["transients.csv", "oscillating_plate.toml"],
     "machines": ["machines.csv"],
     "flexible-machines": ["machines.csv"],
     "flexible-machines-shells": ["machines.csv"],
@@ -178,20 +186,49 @@ def source(path: Path) -> str:
     return " ".join(line.lstrip("# ").strip() for line in remarks)
 
 
-def page(names: list[str], compared: str, reference: str, rows: list[dict]) -> str:
-    models, tables = files_of(names)
-    title = ", ".join(f"`{name}`" for name in names)
+def drawn(case: str, rows: list[dict], run: Run, long: bool) -> dict[Path, str] | None:
+    """Figures of a case by their files; None where they stay as they are."""
+    plots = {}
+    if case in FIGURES:
+        plots = FIGURES[case](rows)
+    elif case not in CURVES:
+        sys.exit(f"{case} has no figure: draw one in scripts/verification_figures.py or scripts/verification_curves.py")
+    elif case not in LONG or long:
+        plots = CURVES[case](run)
+    else:
+        return None
+    return {PICTURES / f"{name}.svg": svg(plot, f"tegula, verification case {case}") for name, plot in plots.items()}
+
+
+def shown(name: str) -> list[Path]:
+    """Figures that the page of a case shows now."""
+    path = PAGES / f"{name}.md"
+    text = path.read_text() if path.is_file() else ""
+    return [BOOK / place for place in re.findall(r"^!\[.*\]\(\.\./\.\./(.+)\)$", text, re.MULTILINE)]
+
+
+def caption(figure: Path, fresh: dict[Path, str]) -> str:
+    """Title of a figure."""
+    text = fresh[figure] if figure in fresh else figure.read_text()
+    return html.unescape(text.split("<title>")[1].split("</title>")[0])
+
+
+def page(name: str, compared: str, reference: str, rows: list[dict], figures: list[str]) -> str:
+    models, tables = files_of([name])
     capital = compared[0].upper() + compared[1:]
     compared = re.sub(r"\]\((?!http)", "](../../", capital)
     reference = re.sub(r"\]\((?!http)", "](../../", reference)
-    lines = [f"# {title}", "", f"{compared.rstrip('.')}.", "", f"*Compared with* {reference.rstrip('.')}.", ""]
-    lines += [f"    tegula verify {' '.join(names)}", ""]
+    lines = [f"# `{name}`", "", f"{compared.rstrip('.')}.", "", f"*Compared with* {reference.rstrip('.')}.", ""]
+    lines += [f"    tegula verify {name}", ""]
     if tables:
         lines += ["## Sources", ""]
         lines += [f"- `{path.relative_to(ROOT)}`: {source(path)}" for path in dict.fromkeys(tables)] + [""]
+    lines += ["## Figures", ""]
+    for figure in figures:
+        lines += [figure, ""]
     lines += ["## Values", ""]
     worst = max(map(use, rows))
-    lines += [f"{len(rows)} values; the largest use of a tolerance or limit is {percent(worst)}.", ""]
+    lines += [f"{len(rows)} value{'s' if len(rows) > 1 else ''}; the largest use of a tolerance or limit is {percent(worst)}.", ""]
     if len(rows) > LISTED:
         lines += ["The largest use by part, element and mesh; `--json` writes every value.", ""]
     lines += (every_value(rows) if len(rows) <= LISTED else largest_uses(rows)) + [""]
@@ -208,19 +245,25 @@ def page(names: list[str], compared: str, reference: str, rows: list[dict]) -> s
     return "\n".join(lines)
 
 
-def contents(pages: list[tuple[str, list[dict]]]) -> str:
+def contents(lines_of: dict[str, str]) -> str:
     lines = [
         "# Verification manual",
         "",
-        "One page for each case of `tegula verify`: definition, sources, values and models. [Verification](verification.md) tells how cases are judged. *Use* is",
-        "the largest difference over its tolerance, or value over its limit. `scripts/verification_manual.py` writes these pages.",
+        "One page for each case of `tegula verify`: definition, sources, curves beside their reference points, values and models. [Verification](verification.md) tells",
+        "how cases are judged. *Use* is the largest difference over its tolerance, or value over its limit. `scripts/verification_manual.py` writes these pages.",
         "",
         "| case | values | largest use |",
         "|:--|--:|--:|",
     ]
-    for name, rows in pages:
-        lines.append(f"| [`{name}`](verification/cases/{name}.md) | {len(rows)} | {percent(max(map(use, rows)))} |")
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *lines_of.values()]) + "\n"
+
+
+def kept_line(name: str) -> str:
+    """Line of a case in the contents as they are."""
+    found = re.search(rf"^\| \[`{name}`\].*$", (BOOK / "verification-manual.md").read_text(), re.MULTILINE)
+    if not found:
+        sys.exit(f"the verification has no values of {name}: compute it, too")
+    return found[0]
 
 
 def agree(shown: str, fresh: str) -> bool:
@@ -230,33 +273,52 @@ def agree(shown: str, fresh: str) -> bool:
     return len(a) == len(b) and all(same(x.strip(), y.strip()) for x, y in zip(a, b))
 
 
-def main() -> int:
-    paths = [argument for argument in sys.argv[1:] if not argument.startswith("--")]
-    rows = json.loads(Path(paths[0]).read_text())
-    fresh, listed = {}, []
+def pages(rows: list[dict], run: Run, long: bool) -> dict[Path, str]:
+    """Texts of the pages, the contents and the figures by their files; cases without values are left out."""
+    fresh, listed = {}, {}
     for names, compared, reference in with_origin(cases()):
-        own = [row for row in rows if row["run"] in names]
-        if not own:
-            continue
-        fresh[PAGES / f"{names[0]}.md"] = page(names, compared, reference, own)
-        listed.append((names[0], own))
-    missing = {row["run"] for row in rows} - {name for names, *_ in cases() for name in names}
+        for name in names:
+            own = [row for row in rows if row["run"] == name]
+            if not own:
+                listed[name] = kept_line(name)
+                continue
+            figures = drawn(name, own, run, long)
+            fresh |= figures or {}
+            paths = shown(name) if figures is None else list(figures)
+            images = [f"![{caption(path, fresh)}](../../{path.relative_to(BOOK)})" for path in paths]
+            fresh[PAGES / f"{name}.md"] = page(name, compared, reference, own, images)
+            listed[name] = f"| [`{name}`](verification/cases/{name}.md) | {len(own)} | {percent(max(map(use, own)))} |"
+    missing = {row["run"] for row in rows} - set(listed)
     if missing:
         sys.exit(f"book/src/verification.md does not describe {', '.join(sorted(missing))}")
     fresh[BOOK / "verification-manual.md"] = contents(listed)
     summary = (BOOK / "SUMMARY.md").read_text()
-    absent = [path.name for path in fresh if f"({path.relative_to(BOOK)})" not in summary]
+    absent = [name for name in listed if f"(verification/cases/{name}.md)" not in summary]
     if absent:
         sys.exit(f"book/src/SUMMARY.md does not list {', '.join(absent)}")
+    return fresh
+
+
+def main() -> int:
+    paths = [argument for argument in sys.argv[1:] if not argument.startswith("--")]
+    if len(paths) != 2:
+        sys.exit(__doc__)
+    rows = json.loads(Path(paths[0]).read_text())
+    fresh = pages(rows, runner(str(Path(paths[1]).resolve())), "--all" in sys.argv)
     if "--check" in sys.argv:
-        wrong = [path for path, text in fresh.items() if not path.is_file() or not agree(path.read_text(), text)]
+        wrong = []
+        for path, text in fresh.items():
+            same_text = figures_agree if path.suffix == ".svg" else agree
+            if not path.is_file() or not same_text(path.read_text(), text):
+                wrong.append(path)
         for path in wrong:
             print(f"{path.relative_to(ROOT)} is not up to date")
         return 1 if wrong else 0
     PAGES.mkdir(parents=True, exist_ok=True)
+    PICTURES.mkdir(parents=True, exist_ok=True)
     for path, text in fresh.items():
         path.write_text(text)
-    print(f"{len(fresh)} pages")
+    print(f"{len(fresh)} pages and figures")
     return 0
 
 
