@@ -56,7 +56,7 @@ fn stills_that_cannot_be_drawn_are_refused_before_the_run() {
         ("{ file = \"../tip.png\" }", "cannot be a name"),
         ("{ file = \"a.png\" }, { file = \"a.png\" }", "two stills have the file"),
         ("{ file = \"a.png\", at = 1.0, mode = 2 }", "`at` and `mode` are both given"),
-        ("{ file = \"a.png\", mode = 0 }", "no mode 0"),
+        ("{ file = \"a.png\", mode = 0 }", "0 is out of range"),
         ("{ file = \"a.png\", range = [1.0, 1.0] }", "not below the second"),
         ("{ file = \"a.png\", size = [100, 4097] }", "100 × 4097 pixels"),
         ("{ file = \"a.png\", view = [nan, 0.0] }", "the view"),
