@@ -226,7 +226,10 @@ pub fn shape(reader: &Reader<'_>, card: &Card<'_>) -> Result<Option<BeamSection>
                 }
                 _ => wrong(
                     line,
-                    format!("the walls of the box have the thicknesses {:?}", of.get(2..).unwrap_or_default()),
+                    format!(
+                        "the walls of the box have the thicknesses {:?}",
+                        of.get(2..).unwrap_or_default()
+                    ),
                     "give the constants of the section by *BEAM GENERAL SECTION: a box has walls of one thickness",
                 ),
             }

@@ -166,7 +166,8 @@ impl Parts {
         };
         let inside = self.elements.iter().filter(|element| members.contains(&element.label));
         let mut nodes: BTreeSet<u64> = inside.flat_map(|element| element.nodes).collect();
-        nodes.extend(solids.iter().filter(|solid| members.contains(&solid.label)).flat_map(|solid| solid.top));
+        nodes
+            .extend(solids.iter().filter(|solid| members.contains(&solid.label)).flat_map(|solid| solid.top));
         nodes.extend(self.bars.iter().filter(|bar| members.contains(&bar.label)).flat_map(|bar| bar.nodes));
         self.node_sets.extend(name, nodes);
         Ok(())
