@@ -81,6 +81,9 @@ def measured(path: Path) -> None:
             "const done = arguments[0];"
             "window.report.then(() => requestAnimationFrame(() => requestAnimationFrame(() => done(performance.now()))));"
         )
+        if not browser.execute_async_script("const done = arguments[0]; window.report.then(({ stage }) => done(Number(stage.slider.max)));"):
+            print(f"{path.name}: opened in {opened / 1000:.2f} s; it has one state, which does not move")
+            return
         browser.execute_script("document.querySelector('canvas').scrollIntoView({ block: 'center' });")
         before = processor_time(browser.service.process.pid)
         times, width, height, ticks = browser.execute_async_script(PLAY, DRAWINGS)
