@@ -5,13 +5,14 @@
 use std::fs;
 use std::path::Path;
 
+use tegula::analysis::State;
 use tegula_io::deck::Deck;
 use tegula_io::job::{JobError, Summary, prepare};
 use tegula_io::memory::{self, Limit};
 use tegula_io::mesh::vtu::Vtu;
 use tegula_io::mesh::{MeshReader as _, node_table, readers, stl};
 use tegula_io::out::vtu_file::VtuFile;
-use tegula_io::out::{HistoryWriter, PvdSeries, csv};
+use tegula_io::out::{HistoryWriter, PvdSeries, csv, load_checkpoint, save_checkpoint};
 use tegula_io::report;
 
 /// Memory that a model may need at most to be compiled here: 4 MiB.
@@ -75,6 +76,27 @@ pub fn result_file(bytes: &[u8]) {
     file("summary.json");
     let _ = Summary::read(folder.path());
     let _ = report::Report::of(folder.path(), 10);
+}
+
+/// Part of a checkpoint that holds the state of the run.
+#[derive(serde::Deserialize)]
+struct Saved {
+    #[serde(rename = "state")]
+    _state: State,
+}
+
+/// Data of a checkpoint as the state of a run. A checkpoint ends with a checksum, which arbitrary bytes do not fit: it is put behind them.
+pub fn checkpoint(bytes: &[u8]) {
+    /// Letters, version and fingerprint.
+    const HEADER: usize = 20;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("checkpoint.bin");
+    save_checkpoint(&path, 1, &()).expect("a temporary file");
+    let mut file = fs::read(&path).expect("a temporary file")[..HEADER].to_vec();
+    file.extend(bytes);
+    file.extend(crc32fast::hash(&file).to_le_bytes());
+    fs::write(&path, file).expect("a temporary file");
+    let _ = load_checkpoint::<Saved>(&path, 1);
 }
 
 /// Compiles a model if it is small.

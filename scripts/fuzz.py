@@ -20,7 +20,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-TARGETS = ["mesh_file", "vtu_file", "keyword_input", "model_file", "result_file"]
+TARGETS = ["mesh_file", "vtu_file", "keyword_input", "model_file", "result_file", "checkpoint"]
 # Examples and data of the tests, with which a target begins beside its corpus.
 SEEDS = {
     "mesh_file": ["crates/tegula-io/tests/data/*.msh", "examples/*.inp", "examples/*.bdf"],
@@ -28,6 +28,7 @@ SEEDS = {
     "keyword_input": ["examples/*.inp", "examples/*.bdf"],
     "model_file": ["crates/tegula-io/templates/*.toml", "examples/*.toml"],
     "result_file": [],
+    "checkpoint": [],
 }
 LARGEST = 2000
 

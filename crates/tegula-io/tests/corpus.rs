@@ -25,6 +25,7 @@ fn files_of_the_corpus_are_read_or_refused() {
     feed("mesh_file", 1000, fuzzed::mesh_file);
     feed("vtu_file", 1000, fuzzed::vtu_file);
     feed("result_file", 500, fuzzed::result_file);
+    feed("checkpoint", 30, fuzzed::checkpoint);
 }
 
 #[test]
