@@ -25,8 +25,10 @@ def contradictions() -> list[str]:
     for name in package["license"].split(" OR "):
         if f"  - {name}\n" not in citation:
             out.append(f"CITATION.cff: the licence {name} of Cargo.toml is missing")
-    if "## [Unreleased]" not in (ROOT / "CHANGELOG.md").read_text():
-        out.append("CHANGELOG.md: it has no section [Unreleased]")
+    changes = (ROOT / "CHANGELOG.md").read_text()
+    sections = re.findall(r"^## \[(.*)\]", changes, re.MULTILINE)
+    if sections[:2] != ["Unreleased", package["version"]]:
+        out.append(f"CHANGELOG.md: its first sections are not [Unreleased] and [{package['version']}], the version of Cargo.toml")
     for name, dependency in workspace["dependencies"].items():
         if name.startswith("tegula") and dependency.get("version") != package["version"]:
             out.append(f"Cargo.toml: the version of the dependency {name} is not {package['version']}")
