@@ -28,7 +28,8 @@ HEAD = """# Python reference
 All classes and functions of the package `tegula`, from its docstrings; [Python](python.md) explains them with examples. `scripts/python_reference.py` writes this page.
 
 Arrays are those of NumPy; in shapes n is the number of nodes, m that of elements, and V that of nodal vectors, unless the text says otherwise. Lengths, forces and
-times have the units of the model.
+times have the units of the model. `Keys` is a dictionary with the keys of a model file (`Mapping[str, Any]`), and `Materials` a dictionary of laws by the names of their
+materials.
 """
 SECTIONS = ("Args", "Returns", "Raises")
 

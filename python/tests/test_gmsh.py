@@ -10,14 +10,20 @@ import numpy as np
 import tegula
 from tegula import parts
 
+MISSING = ""
 try:
     import gmsh  # type: ignore[import-not-found, import-untyped, unused-ignore]
 except (ImportError, OSError) as missing:
     # Without the libraries of a desktop the package is there, and cannot be loaded.
-    raise unittest.SkipTest(f"gmsh: {missing}") from None
+    MISSING = str(missing)
 
 ROOT = Path(__file__).resolve().parents[2]
 YOUNG, LOAD = 2.1e11, -1e3
+
+
+def setUpModule() -> None:
+    if MISSING:
+        raise unittest.SkipTest(MISSING)
 
 
 def model_of(mesh: Any, clamped: list[str], loaded: str) -> tegula.Model:
