@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal
 
-from .._part import Integer, Keys, Number, Numbers, Part
+from .._part import Integer, Integers, Keys, Number, Numbers, Part
 
 
 class DistanceSensor(Part, type="distance"):
@@ -182,6 +182,34 @@ Field = Literal[
 """
 
 
+class Still(Part):
+    """Picture of the shape coloured by a field, drawn when the run is complete, as `tegula render` draws it.
+
+    Args:
+        file: Name of the file in the result folder, which ends with `.png` or `.svg`.
+        field: Field that gives the colours, such as `von_mises`, `displacement.z` or `stress_top.1`; `none` for one
+            colour. The von Mises stress unless given.
+        at: State that is drawn: the one nearest to this time, load factor or position on the path; the last one unless
+            given.
+        mode: Number of the mode that is drawn; the first one unless given.
+        view: Azimuth and elevation of the viewer (degrees): the angle from the x axis towards the y axis, and the
+            height above the xy plane.
+        scale: Factor on the displacements; 1 unless given, of modes a tenth of the size of the model over the largest
+            displacement.
+        range: Values at both ends of the colours; the smallest and the largest one unless given.
+        size: Width and height (pixels).
+    """
+
+    file: str
+    field: str | None = None
+    at: Number | None = None
+    mode: Integer | None = None
+    view: Numbers | None = None
+    scale: Number | None = None
+    range: Numbers | None = None
+    size: Integers | None = None
+
+
 class Units(Part):
     """Names of the units of the model, such as `length = "mm"`: for the labels of pictures. Numbers do not change.
 
@@ -218,6 +246,7 @@ class Output(Part):
         deformed: Field files hold the deformed mesh instead of the reference one, which *Warp By Vector* deforms.
         units: Names of units for the labels of pictures.
         pictures: Draw pictures (`*.png`) at the end of the run; true unless given.
+        stills: Pictures whose field, view and scale are given, in addition to `pictures`.
     """
 
     points: Sequence[OutputPoint | Keys] | None = None
@@ -229,3 +258,4 @@ class Output(Part):
     deformed: bool | None = None
     units: Units | Keys | None = None
     pictures: bool | None = None
+    stills: Sequence[Still | Keys] | None = None
