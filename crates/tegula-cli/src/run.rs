@@ -6,6 +6,7 @@ use clap::Args;
 use tegula_io::deck::{Deck, STANDARD_INPUT};
 use tegula_io::job::{self, JobError, JobOptions, StopResult, Summary};
 use tegula_io::out::numbers::{counted, duration, significant};
+use tegula_io::render;
 
 use crate::progress::{Detail, ProgressLine};
 use crate::report::Failure;
@@ -61,6 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = JobOptions { folder: folder.clone(), resume: arguments.resume, force: arguments.force };
     let mut watched = Watched { line, page };
     let outcome = job::run(&deck, &options, &mut watched);
+    render::stills(&deck, &folder, &outcome, &mut watched);
     watched.line.close();
     if let Some(page) = &mut watched.page {
         page.end(&outcome);

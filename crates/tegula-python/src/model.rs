@@ -9,6 +9,7 @@ use pyo3::types::PyDict;
 use tegula::model::Analysis;
 use tegula_io::deck;
 use tegula_io::job::{self, JobError, JobOptions};
+use tegula_io::render;
 use tegula_io::report::{self, Report};
 
 use crate::equations::Equations;
@@ -109,7 +110,12 @@ impl Deck {
         let options = JobOptions { folder, resume, force };
         let (own, raised) = own.get().parts(py);
         let mut watch = Watch::new(progress, raised);
-        let outcome = compute(py, &OnceLock::new(), || job::run_with(&self.0, own, &options, &mut watch))?;
+        let run = || {
+            let outcome = job::run_with(&self.0, own, &options, &mut watch);
+            render::stills(&self.0, &options.folder, &outcome, &mut watch);
+            outcome
+        };
+        let outcome = compute(py, &OnceLock::new(), run)?;
         let (warnings, raised) = watch.end();
         match (outcome, raised) {
             (Err(error @ JobError::Interrupted { .. }), Some(raised))

@@ -46,7 +46,6 @@ mod run;
 mod series;
 mod snapshots;
 mod steps;
-mod stills;
 mod summary;
 
 use std::path::PathBuf;

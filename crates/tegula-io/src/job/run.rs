@@ -11,7 +11,7 @@ use super::resume::CheckpointData;
 use super::summary::StopResult;
 use super::{
     AssemblyResult, Claim, Energy, JobError, JobObserver, JobOptions, OwnParts, Prepared, ResultFolder,
-    Start, Status, Summary, branches, buckling, modal, pictures, prepare_with, steps, stills,
+    Start, Status, Summary, branches, buckling, modal, pictures, prepare_with, steps,
 };
 use crate::deck::{Deck, Diagnostic};
 use crate::out::OutputError;
@@ -54,14 +54,12 @@ pub(super) fn run_prepared(
     watch: &mut dyn JobObserver,
 ) -> Result<Summary, JobError> {
     let done = run_one(deck, (prepared, &prepared.warnings), options, watch)?;
-    let done = match &deck.model.analysis {
+    match &deck.model.analysis {
         Analysis::Path(path) if path.branches.is_some() => {
-            branches::run((deck, path), prepared, options, (done, watch))?
+            branches::run((deck, path), prepared, options, (done, watch))
         }
-        _ => done,
-    };
-    stills::draw(deck, options, watch);
-    Ok(done)
+        _ => Ok(done),
+    }
 }
 
 /// Runs the one analysis of a model that is prepared, with warnings of its model.

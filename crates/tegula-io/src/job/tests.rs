@@ -10,7 +10,6 @@ mod inputs;
 mod mesh_parts;
 mod response;
 mod steps;
-mod stills;
 mod stop_conditions;
 
 use std::cell::Cell;

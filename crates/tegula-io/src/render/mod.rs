@@ -5,6 +5,7 @@
 
 mod film;
 mod source;
+mod stills;
 
 use std::path::Path;
 
@@ -13,6 +14,7 @@ use crate::out::numbers::significant;
 use crate::plot::{Snapshot, SurfacePlot, View, surfaces};
 pub use film::Encoding;
 use source::{Instant, Source};
+pub use stills::stills;
 
 /// Digits of the numbers beside a picture.
 const DIGITS: usize = 4;

@@ -15,6 +15,8 @@ const ALONE: f64 = 1e-6;
 
 /// Error of a block of the stiffness over the largest one that is a mistake; differences have errors of about 1e-8.
 const WRONG: f64 = 1e-3;
+/// Increments of the differences with which a stiffness is compared, over the size of the model.
+const INCREMENTS: [f64; 3] = [DIFFERENCE, 1e-5, 1e-3];
 /// Round-off of the difference of two forces, over the force.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 
@@ -95,8 +97,8 @@ pub enum MotionPart {
     Velocities,
 }
 
-/// Node whose block of [`FieldLoad::stiffness`] is not the derivative of its force by its own position or velocity, by differences to both sides: at a
-/// kink of the force one of them counts.
+/// Node whose block of [`FieldLoad::stiffness`] is not the derivative of its force by its own position or velocity, by differences to both sides and
+/// over increments of several sizes: at a kink of the force one side counts, and forces of single precision need large increments.
 ///
 /// All nodes move together; where the blocks do not agree, which the motion of other nodes may cause, the node with the largest error moves alone.
 pub fn node_of_wrong_stiffness<L: FieldLoad + ?Sized>(
@@ -109,48 +111,67 @@ pub fn node_of_wrong_stiffness<L: FieldLoad + ?Sized>(
     let (mut blocks, mut before) = (vec![Mat3::zeros(); n], vec![[0.0; 3]; n]);
     load.stiffness(at, weights, &mut blocks);
     load.forces(at, &mut before);
-    let step = DIFFERENCE * at.length;
-    let noise = ROUND_OFF * max_norm(before.as_flattened().iter().copied()) / step;
-    // Largest error of the columns of each node that moves, and the largest entry.
-    let errors = |moves: &dyn Fn(usize) -> bool| {
+    let given = GivenStiffness { load, at, weights, blocks, before };
+    let mut found = None;
+    for increment in INCREMENTS {
+        let (together, tolerance) = given.errors(increment * at.length, |_| true);
+        let worst = (0..n).max_by(|a, b| together[*a].total_cmp(&together[*b]))?;
+        if together[worst] <= tolerance {
+            return None;
+        }
+        let (alone, tolerance) = given.errors(increment * at.length, |node| node == worst);
+        if alone[worst] <= tolerance {
+            return None;
+        }
+        found.get_or_insert(worst);
+    }
+    found
+}
+
+/// Blocks that a load has given, and its forces at the same place.
+struct GivenStiffness<'a, L: ?Sized> {
+    load: &'a L,
+    at: &'a LoadPoint<'a>,
+    weights: [f64; 2],
+    blocks: Vec<Mat3>,
+    before: Vec<Nodal>,
+}
+
+impl<L: FieldLoad + ?Sized> GivenStiffness<'_, L> {
+    /// Largest error of the columns of each node that moves, by the nearest one of the differences to both sides and their mean, and the error that is none.
+    fn errors(&self, step: f64, moves: impl Fn(usize) -> bool) -> (Vec<f64>, f64) {
+        let n = self.before.len();
         let (mut errors, mut size) = (vec![0.0; n], 0.0);
         for axis in 0..3 {
-            let sides = [1.0, -1.0].map(|sign| {
-                let shifted = |values: &[Vec3], weight: f64| -> Vec<Vec3> {
-                    let shift = |(node, x): (usize, &Vec3)| {
-                        if moves(node) { x + Vec3::ith(axis, sign * weight * step) } else { *x }
-                    };
-                    values.iter().enumerate().map(shift).collect()
-                };
-                let (positions, velocities) =
-                    (shifted(at.positions, weights[0]), shifted(at.velocities, weights[1]));
-                let mut forces = vec![[0.0; 3]; n];
-                load.forces(
-                    &LoadPoint { positions: &positions, velocities: &velocities, ..*at },
-                    &mut forces,
-                );
-                forces
-                    .iter()
-                    .zip(&before)
-                    .map(|(f, b)| (Vec3::from(*b) - Vec3::from(*f)) * (sign / step))
-                    .collect::<Vec<_>>()
-            });
+            let [above, below] = [step, -step].map(|step| self.difference(axis, step, &moves));
             for node in (0..n).filter(|node| moves(*node)) {
-                let column = blocks[node].column(axis);
-                let off = sides.each_ref().map(|side| (column - side[node]).norm());
-                errors[node] = larger(errors[node], off[0].min(off[1]));
-                size = larger(size, larger(column.norm(), sides[0][node].norm()));
+                let column = self.blocks[node].column(axis);
+                let differences = [above[node], below[node], 0.5 * (above[node] + below[node])];
+                let nearest = differences.map(|d| (column - d).norm()).into_iter().fold(f64::NAN, f64::min);
+                errors[node] = larger(errors[node], nearest);
+                size = larger(size, larger(column.norm(), above[node].norm()));
             }
         }
+        let noise = ROUND_OFF * max_norm(self.before.as_flattened().iter().copied()) / step;
         (errors, WRONG * size + noise)
-    };
-    let (together, tolerance) = errors(&|_| true);
-    let worst = (0..n).max_by(|a, b| together[*a].total_cmp(&together[*b]))?;
-    if together[worst] <= tolerance {
-        return None;
     }
-    let (alone, tolerance) = errors(&|node| node == worst);
-    (alone[worst] > tolerance).then_some(worst)
+
+    /// Column of the blocks by a difference of the forces.
+    fn difference(&self, axis: usize, step: f64, moves: &impl Fn(usize) -> bool) -> Vec<Vec3> {
+        let shifted = |values: &[Vec3], weight: f64| -> Vec<Vec3> {
+            let shift = |(node, x): (usize, &Vec3)| {
+                if moves(node) { x + Vec3::ith(axis, weight * step) } else { *x }
+            };
+            values.iter().enumerate().map(shift).collect()
+        };
+        let at = self.at;
+        let (positions, velocities) =
+            (shifted(at.positions, self.weights[0]), shifted(at.velocities, self.weights[1]));
+        let mut forces = vec![[0.0; 3]; self.before.len()];
+        self.load.forces(&LoadPoint { positions: &positions, velocities: &velocities, ..*at }, &mut forces);
+        let change = |(f, b): (&Nodal, &Nodal)| (Vec3::from(*b) - Vec3::from(*f)) / step;
+        forces.iter().zip(&self.before).map(change).collect()
+    }
 }
 
 /// [`FieldLoad`] on nodal vectors, with the values of its last evaluation.

@@ -244,20 +244,24 @@ fn modes_are_refused_where_forces_depend_on_other_nodes() {
     assert!(refused.contains("the load \"springs\" depend on the motion of other nodes"), "{refused}");
 }
 
-/// Springs whose stiffness is given wrong by a factor.
+/// Springs that give their stiffness, wrong by a factor; their forces are those of single precision if wanted.
 #[derive(Debug)]
-struct WrongStiffness {
+struct GivenStiffness {
     springs: Springs,
     factor: f64,
+    single: bool,
 }
 
-impl FieldLoad for WrongStiffness {
+impl FieldLoad for GivenStiffness {
     fn dependence(&self) -> Dependence {
         Dependence::Positions
     }
 
     fn forces(&self, at: &LoadPoint, out: &mut [Nodal]) {
         self.springs.forces(at, out);
+        if self.single {
+            out.as_flattened_mut().iter_mut().for_each(|f| *f = f64::from((1e-3 + *f) as f32) - 1e-3);
+        }
     }
 
     fn stiffness(&self, _: &LoadPoint, weights: [f64; 2], out: &mut [tegula::Mat3]) {
@@ -272,15 +276,16 @@ fn modes_are_refused_where_the_stiffness_is_not_the_derivative_of_the_forces() {
     let analysis = Analysis::Modal(ModalAnalysis { prestressed: true, ..ModalAnalysis::new(1) });
     let m = Model { analysis, ..cantilever(1e-3) };
     let mesh = generate(&m.mesh).unwrap();
-    let modes = |factor: f64| {
+    let modes = |factor: f64, single: bool| {
         let springs = Springs { stiffness: 100.0, ..Springs::default() };
-        let system = with_load(&m, &mesh, "u_max", Arc::new(WrongStiffness { springs, factor })).unwrap();
+        let load = Arc::new(GivenStiffness { springs, factor, single });
+        let system = with_load(&m, &mesh, "u_max", load).unwrap();
         let state = modal::prestress(&system, &mut Silent).unwrap().state;
         modal::run(&system, 1, Some(&state), &mut Silent).map(|_| ())
     };
-    assert!(modes(1.0).is_ok());
+    assert!(modes(1.0, false).is_ok() && modes(1.0, true).is_ok());
     for factor in [0.0, 0.99, 10.0, -1.0] {
-        let refused = modes(factor).unwrap_err().to_string();
+        let refused = modes(factor, false).unwrap_err().to_string();
         assert!(
             refused.contains("stiffness that the load \"springs\" gives is not the derivative"),
             "{refused}"

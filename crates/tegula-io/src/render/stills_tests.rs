@@ -2,18 +2,66 @@
 
 use std::fs;
 
-use super::{SWING, Warnings, options};
-use crate::deck::Deck;
-use crate::job::run;
-use crate::plot::View;
-use crate::render::{self, At, Drawing};
+use std::path::Path;
 
-/// A run with these stills.
+use super::{At, Drawing, still, stills};
+use crate::deck::Deck;
+use crate::job::{self, JobObserver, JobOptions};
+use crate::plot::View;
+
+const SWING: &str = r#"
+title = "Swinging strip"
+[analysis]
+type = "transient"
+end_time = 0.05
+time_step = 0.01
+[mesh]
+type = "plate"
+size = [1.0, 0.5]
+grid = { elements = [4, 2] }
+[materials.rubber]
+type = "isotropic"
+young = 1e6
+poisson = 0.3
+density = 1000.0
+[[sections]]
+material = "rubber"
+thickness = 0.02
+[[conditions]]
+type = "hinge"
+on = "u_min"
+[[loads]]
+type = "gravity"
+value = [0.0, 0.0, -9.81]
+[output]
+pictures = false
+"#;
+
+/// Collects warnings.
+#[derive(Default)]
+struct Warnings(Vec<String>);
+
+impl JobObserver for Warnings {
+    fn on_warning(&mut self, message: &str) {
+        self.0.push(message.to_owned());
+    }
+}
+
+/// Runs a model in a folder, and draws its stills; returns the warnings.
+fn run(deck: &Deck, folder: &Path) -> Vec<String> {
+    let mut warnings = Warnings::default();
+    let options = JobOptions { folder: folder.to_owned(), resume: false, force: false };
+    let outcome = job::run(deck, &options, &mut warnings);
+    stills(deck, folder, &outcome, &mut warnings);
+    outcome.unwrap();
+    warnings.0
+}
+
+/// A model with these stills.
 fn swing(stills: &str) -> Result<Deck, String> {
-    let text =
-        SWING.replace("SCHEME", "newmark").replace("[output]", &format!("[output]\nstills = [{stills}]"));
+    let text = SWING.replace("[output]", &format!("[output]\nstills = [{stills}]"));
     let found = Deck::parse("swing.toml", text).map_err(|found| format!("{found:?}"))?;
-    crate::job::prepare(&found).map(|_| ()).map_err(|error| error.to_string())?;
+    job::prepare(&found).map(|_| ()).map_err(|error| error.to_string())?;
     Ok(found)
 }
 
@@ -26,8 +74,7 @@ fn stills_of_a_model_are_those_that_are_drawn_afterwards() {
     .unwrap();
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("r");
-    let mut warnings = Warnings::default();
-    run(&deck, &options(&place, false), &mut warnings).unwrap();
+    let warnings = run(&deck, &place);
     let side = Drawing {
         field: Some("displacement.z".into()),
         at: At::Value(0.0),
@@ -38,15 +85,26 @@ fn stills_of_a_model_are_those_that_are_drawn_afterwards() {
     };
     for (drawing, name) in [(side, "side.png"), (Drawing::default(), "end.svg")] {
         let again = folder.path().join(name);
-        render::still(&place, &drawing, &again).unwrap();
+        still(&place, &drawing, &again).unwrap();
         assert!(fs::read(place.join(name)).unwrap() == fs::read(again).unwrap(), "{name}");
     }
     assert!(!place.join("lost.png").exists());
     let told =
         |text: &&String| text.contains("the still \"lost.png\" is missing") && text.contains("temperature");
-    assert_eq!(warnings.0.iter().filter(told).count(), 1, "{:?}", warnings.0);
-    // The folder is still known as that of a result.
-    run(&deck, &options(&place, false), &mut Warnings::default()).unwrap();
+    assert_eq!(warnings.iter().filter(told).count(), 1, "{warnings:?}");
+    // A run of the same model takes its earlier stills away at its start.
+    let Deck { model, .. } = &deck;
+    assert_eq!(model.output.stills.len(), 3);
+    let fewer = Deck {
+        model: tegula::Model {
+            output: tegula::model::Output { stills: Vec::new(), ..model.output.clone() },
+            ..model.clone()
+        },
+        ..deck.clone()
+    };
+    let options = JobOptions { folder: place.clone(), resume: false, force: true };
+    job::run(&fewer, &options, &mut Warnings::default()).unwrap();
+    assert!(!place.join("side.png").exists() && !place.join("end.svg").exists());
 }
 
 #[test]
