@@ -192,6 +192,27 @@ fn beams_on_nodes_of_shells_stiffen_them() {
     near(-Solved::new(&heavy).at(Vec3::new(L, 5.0, 0.0)).z, sag, 1e-2);
 }
 
+/// A column on one node of a plate turns about its own axis, as shells have no stiffness against that; a second foot holds it.
+#[test]
+fn columns_on_one_node_of_a_shell_are_told_to_turn_freely() {
+    let rib = "*ELEMENT, TYPE=B31, ELSET=Rib\n";
+    let deck = ribbed("*CLOAD\nTip, 3, -0.05\n");
+    let start = deck.find(rib).unwrap() + rib.len();
+    let end = start + deck[start..].find('*').unwrap();
+    let foot: u64 = deck[start..end].split([',', '\n']).nth(1).unwrap().trim().parse().unwrap();
+    let told = |lines: &str| {
+        let nodes = "*NODE\n9001, 50., 5., 30.\n9002, 60., 5., 30.\n";
+        let changed = format!("{nodes}{}{lines}{}", &deck[..start], &deck[end..]);
+        let found =
+            convert(Path::new("b.inp"), changed.as_bytes(), "b.inp").unwrap_or_else(|e| panic!("{e:#?}"));
+        found.warnings.iter().filter(|w| w.message.contains("turns freely about the normal")).count()
+    };
+    let other: u64 = deck[start..end].split([',', '\n']).nth(2).unwrap().trim().parse().unwrap();
+    assert_eq!(told(&format!("101, {foot}, 9001\n")), 1);
+    assert_eq!(told(&format!("101, {foot}, 9001\n102, 9001, 9002\n103, 9002, {other}\n")), 0);
+    assert_eq!(told(&deck[start..end]), 0);
+}
+
 #[test]
 fn beams_that_have_no_counterpart_are_refused_by_line() {
     let deck = cantilever(SECTION, "Tip, 2, 0.02\n");

@@ -149,7 +149,9 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     write_steps(&mut out, "*STEP", &analyses, &loads);
     write_points(&mut out, &printed, "*NODE PRINT");
     if errors.is_empty() {
-        let warnings = ignored(&parts, &cards).into_iter().chain(ambiguous).chain(large).collect();
+        let turning = bars::turning_freely(&frame);
+        let warnings =
+            ignored(&parts, &cards).into_iter().chain(ambiguous).chain(large).chain(turning).collect();
         Ok(Converted { text: out.text, lines: out.lines, warnings })
     } else {
         Err(distinct(errors))

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use tegula::Issue;
 use tegula::model::{BeamSection, CircularSection};
 
 use super::document::{Document, number, quoted, vector};
@@ -103,4 +104,37 @@ fn write_joint(out: &mut Document, card: &str, joint: &Joint) {
     if let Some(axis) = axis {
         out.key(joint.line, "axis", &vector(axis.as_slice()));
     }
+}
+
+/// Warning about lines of bars that shells hold at one node alone: shells have no stiffness against turning about their normals.
+pub(crate) fn turning_freely(frame: &Frame) -> Option<Issue> {
+    // Lines that joints connect with each other and with the ground have one number.
+    let mut parts: Vec<usize> = (0..frame.lines.len()).collect();
+    let ground = parts.len();
+    let line_of = |section: &str| {
+        let name = section.rsplit_once('.').map_or(section, |(name, _)| name);
+        frame.lines.iter().position(|line| line.name == name)
+    };
+    parts.push(ground);
+    for joint in &frame.joints {
+        let [a, b] = joint.between.each_ref().map(|side| parts[line_of(side).unwrap_or(ground)]);
+        parts.iter_mut().filter(|part| **part == b).for_each(|part| *part = a);
+    }
+    let held = |part: usize| -> usize {
+        let of_part = frame.attached.iter().zip(&parts).filter(|(_, of)| **of == part);
+        of_part.map(|(nodes, _)| nodes.len()).sum()
+    };
+    let free =
+        |i: &usize| parts[*i] != parts[ground] && held(parts[*i]) == 1 && !frame.attached[*i].is_empty();
+    let found: Vec<&Line> = (0..frame.lines.len()).filter(free).map(|i| &frame.lines[i]).collect();
+    let first = found.first()?;
+    let others = if found.len() == 1 { "" } else { " and others" };
+    Some(Issue::new(
+        "beams",
+        format!(
+            "{} (line {}){others} is joined to shells at one node: it turns freely about the normal of the shell there, which has no stiffness against that",
+            first.name, first.line
+        ),
+        "hold the turn by a support or a further beam where it matters; modes of 0 Hz are such turns",
+    ))
 }

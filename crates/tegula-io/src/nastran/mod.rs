@@ -118,7 +118,8 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     write_points(&mut out, &points(&file, &bulk.parts), "DISPLACEMENT");
     match sets {
         Some(sets) if errors.is_empty() => {
-            let warnings = warnings(notes, (&reader, &file, &bulk.parts), &control, &parameters, &sets);
+            let mut warnings = warnings(notes, (&reader, &file, &bulk.parts), &control, &parameters, &sets);
+            warnings.extend(of_beams::turning_freely(&frame));
             Ok(Converted { text: out.text, lines: out.lines, warnings })
         }
         _ => Err(distinct(errors)),

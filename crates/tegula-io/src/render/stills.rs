@@ -13,10 +13,17 @@ use crate::plot::View;
 /// depend on it.
 pub fn stills(deck: &Deck, folder: &Path, outcome: &Result<Summary, JobError>, watch: &mut dyn JobObserver) {
     let Ok(summary) = outcome else { return };
-    let steps: Vec<_> = summary.analyses.iter().map(|step| folder.join(&step.folder)).collect();
-    let folders = if steps.is_empty() { vec![folder.to_owned()] } else { steps };
-    for (folder, wanted) in folders.iter().flat_map(|f| deck.model.output.stills.iter().map(move |s| (f, s)))
-    {
+    let has_modes = |analysis: &str| matches!(analysis, "modal" | "buckling");
+    let one = (folder.to_owned(), has_modes(&summary.analysis));
+    let steps = summary.analyses.iter().map(|step| (folder.join(&step.folder), has_modes(&step.analysis)));
+    let folders: Vec<_> = if summary.analyses.is_empty() { vec![one] } else { steps.collect() };
+    let wanted = folders.iter().flat_map(|of| deck.model.output.stills.iter().map(move |still| (of, still)));
+    for ((folder, modes), wanted) in wanted {
+        // A still of a mode is for modal steps, one of a time for the others.
+        let is_idle = if *modes { wanted.at.is_some() } else { wanted.mode.is_some() };
+        if is_idle {
+            continue;
+        }
         if let Err(error) = still(folder, &drawing(wanted), &folder.join(&wanted.file)) {
             watch.on_warning(&format!("the still \"{}\" is missing: {error}", wanted.file));
         }

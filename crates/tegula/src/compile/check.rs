@@ -454,6 +454,7 @@ impl Checker {
     /// A mesh of solids has a thickness of its own, which has to be that of the section.
     fn thickness(&mut self, mesh: &Mesh, key: &str, thickness: f64, quads: &[u32]) {
         let Some(of_nodes) = &mesh.thickness else { return };
+        super::oblique_layers::refuse(mesh, key, quads, self);
         let off = |n: u32| of_nodes.get(n as usize).map_or(0.0, |t| (t / thickness - 1.0).abs());
         let nodes: std::collections::BTreeSet<u32> = quads
             .iter()

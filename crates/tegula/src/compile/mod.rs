@@ -27,6 +27,7 @@ mod imperfections;
 mod inner_point;
 mod mechanism;
 mod mesh_sets;
+mod oblique_layers;
 mod outline;
 mod own_parts;
 mod patches;

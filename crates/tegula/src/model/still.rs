@@ -12,7 +12,7 @@ pub const PIXELS: [u32; 2] = [200, 4096];
 pub struct Still {
     /// Name of the file in the result folder, which ends with `.png` or `.svg`.
     pub file: String,
-    /// Field that gives the colours, such as `von_mises`, `displacement.z` or `stress_top.1`; `none` for one colour. The von Mises stress unless given.
+    /// Field that gives the colours, such as `von_mises`, `displacement.z` or `stress_top.1`; `none` for one colour. The von Mises stress unless given, or the size of the displacement where field files have no stress.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub field: Option<String>,
     /// State that is drawn: the one nearest to this time, load factor or position on the path; the last one unless given.

@@ -60,7 +60,7 @@ fn unknown_keys_come_with_the_one_that_was_meant() {
     "#);
     insta::assert_snapshot!(with("interval = 0.1", "\"a b\" = 3"), @r#"
     m.toml:26:1: output."a b": unknown key "a b"
-      help: the keys here are "points", "cuts", "fields", "interval", "every", "at", "deformed", "units", "pictures"
+      help: the keys here are "points", "cuts", "fields", "interval", "every", "at", "deformed", "units", "pictures", "stills"
     "#);
     insta::assert_snapshot!(with("[materials.steel]", "[materials.\"my.steel\"]\nw = 1"), @r#"
     m.toml:11:1: materials."my.steel".w: unknown key "w"
@@ -68,7 +68,7 @@ fn unknown_keys_come_with_the_one_that_was_meant() {
     "#);
     insta::assert_snapshot!(with("[output]", "[output]\nname = 3"), @r#"
     m.toml:26:1: output.name: unknown key "name"
-      help: the keys here are "points", "cuts", "fields", "interval", "every", "at", "deformed", "units", "pictures"
+      help: the keys here are "points", "cuts", "fields", "interval", "every", "at", "deformed", "units", "pictures", "stills"
     "#);
 }
 

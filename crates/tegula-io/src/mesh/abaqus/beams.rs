@@ -172,7 +172,10 @@ pub fn sizes(
 /// # Errors
 /// The shape is not read, or a size of it is wrong.
 pub fn shape(reader: &Reader<'_>, card: &Card<'_>) -> Result<Option<BeamSection>, MeshError> {
-    let kind = reader.required(card, "SECTION")?.to_uppercase();
+    let kind = match card.keyword == GENERAL && !card.has("SECTION") {
+        true => "GENERAL".to_owned(),
+        false => reader.required(card, "SECTION")?.to_uppercase(),
+    };
     let sizes = |counts: &[usize], what: &str| -> Result<(Vec<f64>, usize), MeshError> {
         let (out, line) = sizes(reader, card, (counts, what))?;
         match out.iter().find(|size| !(**size > 0.0)) {
