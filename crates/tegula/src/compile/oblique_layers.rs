@@ -21,10 +21,11 @@ pub(super) fn refuse(mesh: &Mesh, key: &str, quads: &[u32], c: &mut Checker) {
         }
     }
     let lean = |(&q, corner): (&u32, usize)| {
-        let (normal, node) = (normals.get(q as usize)?, mesh.quads.get(q as usize)?[corner]);
+        let (normal, quad) = (normals.get(q as usize)?, mesh.quads.get(q as usize)?);
         let of_edge = angle(&edges.get(q as usize)?[corner], normal);
-        let turn = around.get(node as usize)?.iter().map(|other| angle(other, normal)).fold(0.0, larger);
-        (of_edge > OBLIQUE + turn).then_some((of_edge, q, node))
+        let neighbours = quad.iter().filter_map(|n| around.get(*n as usize)).flatten();
+        let turn = neighbours.map(|other| angle(other, normal)).fold(0.0, larger);
+        (of_edge > OBLIQUE + turn).then_some((of_edge, q, quad[corner]))
     };
     let found = quads.iter().flat_map(|q| (0..4).map(move |corner| (q, corner))).filter_map(lean);
     let Some((lean, quad, node)) = found.max_by(|a, b| a.0.total_cmp(&b.0)) else { return };
