@@ -188,7 +188,7 @@ class Still(Part):
     Args:
         file: Name of the file in the result folder, which ends with `.png` or `.svg`.
         field: Field that gives the colours, such as `von_mises`, `displacement.z` or `stress_top.1`; `none` for one
-            colour. The von Mises stress unless given.
+            colour. The von Mises stress unless given, or the size of the displacement where field files have no stress.
         at: State that is drawn: the one nearest to this time, load factor or position on the path; the last one unless
             given.
         mode: Number of the mode that is drawn; the first one unless given.
