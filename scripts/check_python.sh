@@ -16,5 +16,6 @@ packages=(meshio pyvista scipy pandas mypy nbclient ipykernel matplotlib seleniu
 executed=$(mktemp -d)
 trap 'rm -rf "$executed"' EXIT
 for notebook in examples/python/*.ipynb; do
-  "$python" -m jupyter execute --output "$executed/executed.ipynb" "$notebook"
+  # The command `jupyter` would look for its parts on the path, where those of another environment may be.
+  "$python" -c "from nbclient.cli import main; main()" --output "$executed/executed.ipynb" "$notebook"
 done
