@@ -14,7 +14,7 @@ use pyo3::exceptions::{PyRecursionError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use tegula::element::Nodal;
-use tegula::load::{Dependence, FieldLoad, LoadPoint, MotionPart, node_of_wrong_stiffness};
+use tegula::load::{Dependence, FieldLoad, LoadPoint, node_of_wrong_stiffness};
 use tegula::material::{MaterialLaw, Response, Strain};
 use tegula::{Mat3, Vec3};
 use tegula_io::job::{OwnLoad, OwnParts};
@@ -195,10 +195,10 @@ impl PythonLoad {
 
     /// Refuses functions of the stiffness and the damping that are no derivatives of the forces.
     fn check(&self, at: &LoadPoint) -> PyResult<()> {
-        let damped = self.damping.is_some().then_some((MotionPart::Velocities, "damping", "velocity"));
-        let parts = [Some((MotionPart::Positions, "stiffness", "position")), damped];
-        for (part, what, of) in parts.into_iter().flatten() {
-            if let Some(row) = node_of_wrong_stiffness(self, at, part) {
+        let damped = self.damping.is_some().then_some(([0.0, 1.0], "damping", "velocity"));
+        let parts = [Some(([1.0, 0.0], "stiffness", "position")), damped];
+        for (weights, what, of) in parts.into_iter().flatten() {
+            if let Some(row) = node_of_wrong_stiffness(self, at, weights) {
                 return Err(PyValueError::new_err(format!(
                     "the {what} of the load \"{}\" is not the derivative of its forces, with the other sign: row {row} at t = {} differs from \
                      -df/dx of its own {of} x by differences; correct it, or leave it out for differences",

@@ -109,6 +109,7 @@ fn general_sections_have_the_constants_of_their_card() {
     let section = model(&deck)["beams"][0]["section"].clone();
     near(section["mass"].as_f64().unwrap(), 12.0 * 8e-9, 1e-12);
     near(section["inertia"][0].as_f64().unwrap(), 36.0 * 8e-9, 1e-12);
+    assert_eq!(model(&deck), model(&deck.replace(", SECTION=GENERAL", "")), "the usual shape");
     let shape = "*BEAM GENERAL SECTION, ELSET=Beam, SECTION=RECT\n2., 6.\n0., 0., 1.\n2.1e5, 80769.2307692\n";
     let tip = Solved::new(&cantilever(shape, "Tip, 2, 0.02\nTip, 3, 0.03\n")).moved("B31 1.end");
     near(tip.y, 0.02 * flexibility(36.0, 10.0), 1e-6);
@@ -199,7 +200,10 @@ fn columns_on_one_node_of_a_shell_are_told_to_turn_freely() {
     let deck = ribbed("*CLOAD\nTip, 3, -0.05\n");
     let start = deck.find(rib).unwrap() + rib.len();
     let end = start + deck[start..].find('*').unwrap();
-    let foot: u64 = deck[start..end].split([',', '\n']).nth(1).unwrap().trim().parse().unwrap();
+    let nodes: Vec<u64> =
+        deck[start..end].split([',', '\n']).filter_map(|field| field.trim().parse().ok()).collect();
+    // Lines of the card have a number and two nodes; the first node of all is clamped.
+    let [clamped, foot, other] = [nodes[1], nodes[2], nodes[5]];
     let told = |lines: &str| {
         let nodes = "*NODE\n9001, 50., 5., 30.\n9002, 60., 5., 30.\n";
         let changed = format!("{nodes}{}{lines}{}", &deck[..start], &deck[end..]);
@@ -207,8 +211,9 @@ fn columns_on_one_node_of_a_shell_are_told_to_turn_freely() {
             convert(Path::new("b.inp"), changed.as_bytes(), "b.inp").unwrap_or_else(|e| panic!("{e:#?}"));
         found.warnings.iter().filter(|w| w.message.contains("turns freely about the normal")).count()
     };
-    let other: u64 = deck[start..end].split([',', '\n']).nth(2).unwrap().trim().parse().unwrap();
     assert_eq!(told(&format!("101, {foot}, 9001\n")), 1);
+    assert_eq!(told(&format!("101, {clamped}, 9001\n")), 0);
+    assert_eq!(told(&format!("101, {foot}, 9001\n*BOUNDARY\n9001, 4, 6\n")), 0);
     assert_eq!(told(&format!("101, {foot}, 9001\n102, 9001, 9002\n103, 9002, {other}\n")), 0);
     assert_eq!(told(&deck[start..end]), 0);
 }

@@ -138,7 +138,9 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
         bars::write(&mut out, "*ELEMENT", &frame, &sections, &recorded(&parts, &cards));
     }
     let supports = keep.value(supports(&reader, &parts, model, &steps)).unwrap_or_default();
+    let mut turning = None;
     if let Some((shells, holds)) = keep.value(beams::held(&reader, &parts, &frame, supports)) {
+        turning = bars::turning_freely(&frame, holds.iter().map(|hold| hold.name.as_str()));
         keep.value(held::write(&mut out, &reader, &holds));
         keep.value(match parts.through.is_empty() {
             true => supports::write(&mut out, &reader, &parts, "[[conditions]]", &shells),
@@ -149,7 +151,6 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     write_steps(&mut out, "*STEP", &analyses, &loads);
     write_points(&mut out, &printed, "*NODE PRINT");
     if errors.is_empty() {
-        let turning = bars::turning_freely(&frame);
         let warnings =
             ignored(&parts, &cards).into_iter().chain(ambiguous).chain(large).chain(turning).collect();
         Ok(Converted { text: out.text, lines: out.lines, warnings })

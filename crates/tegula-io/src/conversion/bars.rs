@@ -106,8 +106,9 @@ fn write_joint(out: &mut Document, card: &str, joint: &Joint) {
     }
 }
 
-/// Warning about lines of bars that shells hold at one node alone: shells have no stiffness against turning about their normals.
-pub(crate) fn turning_freely(frame: &Frame) -> Option<Issue> {
+/// Warning about lines of bars that shells hold at one node alone, and no support of the cross-sections `held`: shells have no stiffness against turning
+/// about their normals.
+pub(crate) fn turning_freely<'a>(frame: &Frame, held: impl Iterator<Item = &'a str>) -> Option<Issue> {
     // Lines that joints connect with each other and with the ground have one number.
     let mut parts: Vec<usize> = (0..frame.lines.len()).collect();
     let ground = parts.len();
@@ -116,16 +117,17 @@ pub(crate) fn turning_freely(frame: &Frame) -> Option<Issue> {
         frame.lines.iter().position(|line| line.name == name)
     };
     parts.push(ground);
-    for joint in &frame.joints {
-        let [a, b] = joint.between.each_ref().map(|side| parts[line_of(side).unwrap_or(ground)]);
+    let joints = frame.joints.iter().map(|joint| joint.between.each_ref().map(String::as_str));
+    for between in joints.chain(held.map(|section| ["ground", section])) {
+        let [a, b] = between.map(|side| parts[line_of(side).unwrap_or(ground)]);
         parts.iter_mut().filter(|part| **part == b).for_each(|part| *part = a);
     }
-    let held = |part: usize| -> usize {
+    let nodes_of = |part: usize| -> usize {
         let of_part = frame.attached.iter().zip(&parts).filter(|(_, of)| **of == part);
         of_part.map(|(nodes, _)| nodes.len()).sum()
     };
     let free =
-        |i: &usize| parts[*i] != parts[ground] && held(parts[*i]) == 1 && !frame.attached[*i].is_empty();
+        |i: &usize| parts[*i] != parts[ground] && nodes_of(parts[*i]) == 1 && !frame.attached[*i].is_empty();
     let found: Vec<&Line> = (0..frame.lines.len()).filter(free).map(|i| &frame.lines[i]).collect();
     let first = found.first()?;
     let others = if found.len() == 1 { "" } else { " and others" };

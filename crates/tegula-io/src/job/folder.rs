@@ -4,13 +4,14 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use tegula::model::PICTURES;
+
 use super::summary::Summary;
 use super::{JobError, Status, campbell, response, series};
 use crate::out::{OutputError, PvdSeries, printable, vtu};
 
-/// Names of the files that a run leaves, beside the numbered field files and the pictures of
-/// points.
-const OWN: [&str; 25] = [
+/// Names of the files that a run leaves, beside numbered field files and pictures.
+const OWN: [&str; 17] = [
     "fields.pvd",
     "bodies.pvd",
     "mode_bodies.pvd",
@@ -20,21 +21,13 @@ const OWN: [&str; 25] = [
     "history.csv",
     "modes.csv",
     campbell::TABLE,
-    campbell::PICTURE,
     response::TABLE,
-    response::PICTURE,
     response::STATE_SPACE,
     response::MATRICES[0],
     response::MATRICES[1],
     response::MATRICES[2],
     response::MATRICES[3],
     "checkpoint.bin",
-    "energy.png",
-    "step_size.png",
-    "load_displacement.png",
-    "snapshots.png",
-    "render.png",
-    "modes.png",
     "log.txt",
 ];
 
@@ -200,7 +193,7 @@ impl ResultFolder {
             // Fails where the user has put something into it, which stays.
             let _ = fs::remove_dir(self.path.join(series));
         }
-        for name in OWN.iter().filter(|&&name| name != "log.txt") {
+        for name in OWN.iter().chain(&PICTURES).filter(|&&name| name != "log.txt") {
             remove(&self.path.join(name))?;
         }
         self.log.set_len(0).map_err(|cause| OutputError::write(&self.file("log.txt"), cause))?;

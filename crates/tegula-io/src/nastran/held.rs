@@ -8,7 +8,7 @@ use crate::mesh::nastran::file::File;
 use crate::mesh::nastran::supports::{Support, supports};
 use crate::mesh::numbered::{Parts, Reader};
 
-/// Writes supports of nodes, of the bodies of rigid elements, and of cross-sections of bars.
+/// Writes supports of nodes, of the bodies of rigid elements, and of cross-sections of bars. Returns the names of the bodies and cross-sections.
 ///
 /// # Errors
 /// A support that cannot be read, or a prescribed motion of a body.
@@ -17,7 +17,7 @@ pub(super) fn write(
     reader: &Reader<'_>,
     file: &File<'_>,
     parts: &Parts,
-) -> Result<(), MeshError> {
+) -> Result<Vec<String>, MeshError> {
     let found = supports(reader, file, parts)?;
     let (bodies, nodes): (Vec<Support>, Vec<Support>) =
         found.into_iter().partition(|support| support.body.is_some());
@@ -28,9 +28,11 @@ pub(super) fn write(
         card,
         values,
     };
-    held::write(out, reader, &bodies.into_iter().map(hold).collect::<Vec<_>>())?;
+    let holds: Vec<Hold> = bodies.into_iter().map(hold).collect();
+    held::write(out, reader, &holds)?;
     let restraint =
         |Support { target, line, card, values, .. }: Support| Restraint { target, line, dofs: values, card };
     let restraints: Vec<Restraint> = nodes.into_iter().map(restraint).collect();
-    supports::write(out, reader, parts, "[[conditions]]", &restraints)
+    supports::write(out, reader, parts, "[[conditions]]", &restraints)?;
+    Ok(holds.into_iter().map(|hold| hold.name).collect())
 }

@@ -108,7 +108,7 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     let printed = bulk::printed(&file, &bulk.parts).into_iter().flat_map(|(_, nodes)| nodes).collect();
     let of_bars = keep.value(bars::sections(&reader, &file, &frame, &materials, &mut notes));
     of_beams::write(&mut out, "CBAR", &frame, &of_bars.unwrap_or_default(), &printed);
-    keep.value(held::write(&mut out, &reader, &file, &bulk.parts));
+    let supported = keep.value(held::write(&mut out, &reader, &file, &bulk.parts)).unwrap_or_default();
     small_rotations(&mut notes, &control, &bodies, &steps);
     rotations_of_nodes(&mut notes, &bodies);
     let sets = keep.value(LoadSets::read(&reader, &file, &bulk));
@@ -119,7 +119,7 @@ pub fn convert(path: &Path, bytes: &[u8], mesh_file: &str) -> Result<Converted, 
     match sets {
         Some(sets) if errors.is_empty() => {
             let mut warnings = warnings(notes, (&reader, &file, &bulk.parts), &control, &parameters, &sets);
-            warnings.extend(of_beams::turning_freely(&frame));
+            warnings.extend(of_beams::turning_freely(&frame, supported.iter().map(String::as_str)));
             Ok(Converted { text: out.text, lines: out.lines, warnings })
         }
         _ => Err(distinct(errors)),

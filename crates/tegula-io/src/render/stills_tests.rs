@@ -1,7 +1,6 @@
 //! Stills that a model asks for.
 
 use std::fs;
-
 use std::path::Path;
 
 use super::{At, Drawing, still, stills};
@@ -9,33 +8,8 @@ use crate::deck::Deck;
 use crate::job::{self, JobObserver, JobOptions};
 use crate::plot::View;
 
-const SWING: &str = r#"
-title = "Swinging strip"
-[analysis]
-type = "transient"
-end_time = 0.05
-time_step = 0.01
-[mesh]
-type = "plate"
-size = [1.0, 0.5]
-grid = { elements = [4, 2] }
-[materials.rubber]
-type = "isotropic"
-young = 1e6
-poisson = 0.3
-density = 1000.0
-[[sections]]
-material = "rubber"
-thickness = 0.02
-[[conditions]]
-type = "hinge"
-on = "u_min"
-[[loads]]
-type = "gravity"
-value = [0.0, 0.0, -9.81]
-[output]
-pictures = false
-"#;
+/// Cantilever in four load steps.
+const MODEL: &str = include_str!("../../templates/static.toml");
 
 /// Collects warnings.
 #[derive(Default)]
@@ -58,16 +32,16 @@ fn run(deck: &Deck, folder: &Path) -> Vec<String> {
 }
 
 /// A model with these stills.
-fn swing(stills: &str) -> Result<Deck, String> {
-    let text = SWING.replace("[output]", &format!("[output]\nstills = [{stills}]"));
-    let found = Deck::parse("swing.toml", text).map_err(|found| format!("{found:?}"))?;
+fn with(stills: &str) -> Result<Deck, String> {
+    let text = MODEL.replace("[output]", &format!("[output]\nstills = [{stills}]"));
+    let found = Deck::parse("cantilever.toml", text).map_err(|found| format!("{found:?}"))?;
     job::prepare(&found).map(|_| ()).map_err(|error| error.to_string())?;
     Ok(found)
 }
 
 #[test]
 fn stills_of_a_model_are_those_that_are_drawn_afterwards() {
-    let deck = swing(
+    let deck = with(
         "{ file = \"side.png\", field = \"displacement.z\", view = [-90.0, 0.0], scale = 3.0, range = [-1.0, 1.0], size = [300, 200], at = 0.0 }, \
          { file = \"end.svg\" }, { file = \"lost.png\", field = \"temperature\" }",
     )
@@ -122,7 +96,7 @@ fn stills_that_cannot_be_drawn_are_refused_before_the_run() {
         ("{ file = \"a.png\", size = [100, 4097] }", "100 × 4097 pixels"),
         ("{ file = \"a.png\", view = [nan, 0.0] }", "the view"),
     ] {
-        let refused = swing(still).map(|_| ()).unwrap_err();
+        let refused = with(still).map(|_| ()).unwrap_err();
         assert!(refused.contains(message), "{still}: {refused}");
     }
 }

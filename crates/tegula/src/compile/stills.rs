@@ -1,22 +1,10 @@
 //! Mistakes in the values of stills.
 
 use crate::checker::Checker;
-use crate::model::{Analysis, Model, PIXELS};
+use crate::model::{Analysis, Model, PICTURES, PIXELS};
 
 /// Longest name of a file (characters).
 const LONGEST_NAME: usize = 60;
-
-/// Pictures that the program draws by itself, beside those of points.
-const OWN: [&str; 8] = [
-    "campbell.png",
-    "energy.png",
-    "frequency_response.png",
-    "load_displacement.png",
-    "modes.png",
-    "render.png",
-    "snapshots.png",
-    "step_size.png",
-];
 
 /// Mistakes in the values of stills.
 pub(super) fn keys(model: &Model, c: &mut Checker) {
@@ -32,7 +20,7 @@ pub(super) fn keys(model: &Model, c: &mut Checker) {
                 "give a name that ends with \".png\" or \".svg\"",
             );
         }
-        let is_own = OWN.contains(&still.file.as_str()) || still.file.starts_with("point_");
+        let is_own = PICTURES.contains(&still.file.as_str()) || still.file.starts_with("point_");
         if is_own && still.file.ends_with(".png") {
             c.add(
                 format!("{key}.file"),

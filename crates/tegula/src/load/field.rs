@@ -64,6 +64,27 @@ pub trait FieldLoad: Debug + Send + Sync {
     }
 }
 
+/// Column `axis` of the blocks of [`FieldLoad::stiffness`] at the nodes that move, by the difference of the forces to those `before`.
+fn column_by_difference<L: FieldLoad + ?Sized>(
+    load: &L,
+    at: &LoadPoint,
+    (weights, axis, step): ([f64; 2], usize, f64),
+    before: &[Nodal],
+    moves: impl Fn(usize) -> bool,
+) -> Vec<Vec3> {
+    let moved = |values: &[Vec3], weight: f64| -> Vec<Vec3> {
+        let shift = |(node, x): (usize, &Vec3)| {
+            if moves(node) { x + Vec3::ith(axis, weight * step) } else { *x }
+        };
+        values.iter().enumerate().map(shift).collect()
+    };
+    let (positions, velocities) = (moved(at.positions, weights[0]), moved(at.velocities, weights[1]));
+    let mut behind = vec![[0.0; 3]; before.len()];
+    load.forces(&LoadPoint { positions: &positions, velocities: &velocities, ..*at }, &mut behind);
+    let change = |(before, behind): (&Nodal, &Nodal)| (Vec3::from(*before) - Vec3::from(*behind)) / step;
+    before.iter().zip(&behind).map(change).collect()
+}
+
 /// Blocks of [`FieldLoad::stiffness`] as differences of the forces.
 pub fn stiffness_by_differences<L: FieldLoad + ?Sized>(
     load: &L,
@@ -71,43 +92,25 @@ pub fn stiffness_by_differences<L: FieldLoad + ?Sized>(
     weights: [f64; 2],
     out: &mut [Mat3],
 ) {
-    let n = at.positions.len();
-    let (mut before, mut behind) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+    let mut before = vec![[0.0; 3]; at.positions.len()];
     load.forces(at, &mut before);
     for axis in 0..3 {
-        let moved = |values: &[Vec3], weight: f64| -> Vec<Vec3> {
-            values.iter().map(|x| x + Vec3::ith(axis, weight * DIFFERENCE * at.length)).collect()
-        };
-        let (positions, velocities) = (moved(at.positions, weights[0]), moved(at.velocities, weights[1]));
-        let next = LoadPoint { positions: &positions, velocities: &velocities, ..*at };
-        load.forces(&next, &mut behind);
-        for ((block, before), behind) in out.iter_mut().zip(&before).zip(&behind) {
-            let change = Vec3::from(*before) - Vec3::from(*behind);
-            block.set_column(axis, &(change / (DIFFERENCE * at.length)));
-        }
+        let difference = (weights, axis, DIFFERENCE * at.length);
+        let columns = column_by_difference(load, at, difference, &before, |_| true);
+        out.iter_mut().zip(&columns).for_each(|(block, column)| block.set_column(axis, column));
     }
 }
 
-/// Part of the motion of nodes by which forces are differentiated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MotionPart {
-    /// Positions.
-    Positions,
-    /// Velocities.
-    Velocities,
-}
-
-/// Node whose block of [`FieldLoad::stiffness`] is not the derivative of its force by its own position or velocity, by differences to both sides and
+/// Node whose block of [`FieldLoad::stiffness`] for these weights is not the derivative of its force by its own motion, by differences to both sides and
 /// over increments of several sizes: at a kink of the force one side counts, and forces of single precision need large increments.
 ///
 /// All nodes move together; where the blocks do not agree, which the motion of other nodes may cause, the node with the largest error moves alone.
 pub fn node_of_wrong_stiffness<L: FieldLoad + ?Sized>(
     load: &L,
     at: &LoadPoint,
-    part: MotionPart,
+    weights: [f64; 2],
 ) -> Option<usize> {
     let n = at.positions.len();
-    let weights = if part == MotionPart::Positions { [1.0, 0.0] } else { [0.0, 1.0] };
     let (mut blocks, mut before) = (vec![Mat3::zeros(); n], vec![[0.0; 3]; n]);
     load.stiffness(at, weights, &mut blocks);
     load.forces(at, &mut before);
@@ -143,7 +146,9 @@ impl<L: FieldLoad + ?Sized> GivenStiffness<'_, L> {
         let n = self.before.len();
         let (mut errors, mut size) = (vec![0.0; n], 0.0);
         for axis in 0..3 {
-            let [above, below] = [step, -step].map(|step| self.difference(axis, step, &moves));
+            let [above, below] = [step, -step].map(|step| {
+                column_by_difference(self.load, self.at, (self.weights, axis, step), &self.before, &moves)
+            });
             for node in (0..n).filter(|node| moves(*node)) {
                 let column = self.blocks[node].column(axis);
                 let differences = [above[node], below[node], 0.5 * (above[node] + below[node])];
@@ -154,23 +159,6 @@ impl<L: FieldLoad + ?Sized> GivenStiffness<'_, L> {
         }
         let noise = ROUND_OFF * max_norm(self.before.as_flattened().iter().copied()) / step;
         (errors, WRONG * size + noise)
-    }
-
-    /// Column of the blocks by a difference of the forces.
-    fn difference(&self, axis: usize, step: f64, moves: &impl Fn(usize) -> bool) -> Vec<Vec3> {
-        let shifted = |values: &[Vec3], weight: f64| -> Vec<Vec3> {
-            let shift = |(node, x): (usize, &Vec3)| {
-                if moves(node) { x + Vec3::ith(axis, weight * step) } else { *x }
-            };
-            values.iter().enumerate().map(shift).collect()
-        };
-        let at = self.at;
-        let (positions, velocities) =
-            (shifted(at.positions, self.weights[0]), shifted(at.velocities, self.weights[1]));
-        let mut forces = vec![[0.0; 3]; self.before.len()];
-        self.load.forces(&LoadPoint { positions: &positions, velocities: &velocities, ..*at }, &mut forces);
-        let change = |(f, b): (&Nodal, &Nodal)| (Vec3::from(*b) - Vec3::from(*f)) / step;
-        forces.iter().zip(&self.before).map(change).collect()
     }
 }
 
@@ -272,7 +260,7 @@ impl LoadOnNodes {
         let [positions, velocities] = &motion;
         let at = LoadPoint { time, positions, velocities, length };
         self.dependence() != Dependence::Time
-            && node_of_wrong_stiffness(self.load.as_ref(), &at, MotionPart::Positions).is_some()
+            && node_of_wrong_stiffness(self.load.as_ref(), &at, [1.0, 0.0]).is_some()
     }
 
     /// Last evaluation, or a new one where it was elsewhere.

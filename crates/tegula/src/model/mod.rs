@@ -82,7 +82,7 @@ pub use sensor::{
     AngleSensor, DistanceSensor, PointSensor, ReactionSensor, Sensor, StrainSensor, VolumeSensor,
 };
 pub use spring::{SpringDamper, TorsionSpring};
-pub use still::{PIXELS, Still};
+pub use still::{PICTURES, PIXELS, Still};
 pub use supports::Condition;
 pub use surface::TriangulatedSurface;
 pub use tie::Tie;

@@ -6,6 +6,18 @@ use serde::{Deserialize, Serialize};
 /// Most and fewest pixels along a side of a still.
 pub const PIXELS: [u32; 2] = [200, 4096];
 
+/// Pictures that a run draws by itself, beside those of points (`point_NAME.png`); no still has such a name.
+pub const PICTURES: [&str; 8] = [
+    "campbell.png",
+    "energy.png",
+    "frequency_response.png",
+    "load_displacement.png",
+    "modes.png",
+    "render.png",
+    "snapshots.png",
+    "step_size.png",
+];
+
 /// Picture of the shape coloured by a field, drawn when the run is complete, as `tegula render` draws it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

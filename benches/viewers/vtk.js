@@ -1,0 +1,33 @@
+import "@kitware/vtk.js/Rendering/Profiles/Geometry";
+import vtkDataArray from "@kitware/vtk.js/Common/Core/DataArray";
+import vtkPolyData from "@kitware/vtk.js/Common/DataModel/PolyData";
+import vtkActor from "@kitware/vtk.js/Rendering/Core/Actor";
+import vtkMapper from "@kitware/vtk.js/Rendering/Core/Mapper";
+import vtkGenericRenderWindow from "@kitware/vtk.js/Rendering/Misc/GenericRenderWindow";
+
+const window3d = vtkGenericRenderWindow.newInstance({ background: [1, 1, 1] });
+window3d.setContainer(document.querySelector("#box"));
+window3d.resize();
+const mesh = vtkPolyData.newInstance(), points = ref.slice(), cells = new Uint32Array((5 * quads.length) / 4);
+mesh.getPoints().setData(points, 3);
+for (let q = 0; q < quads.length / 4; q++) cells.set([4, ...quads.slice(4 * q, 4 * q + 4)], 5 * q);
+mesh.getPolys().setData(cells);
+const values = vtkDataArray.newInstance({ name: "v", values: new Float32Array(P) });
+mesh.getPointData().setScalars(values);
+const mapper = vtkMapper.newInstance(), actor = vtkActor.newInstance(), renderer = window3d.getRenderer();
+mapper.setInputData(mesh);
+mapper.setScalarRange(-0.2, 0.2);
+mapper.setInterpolateScalarsBeforeMapping(true);
+actor.setMapper(mapper);
+actor.getProperty().setInterpolationToFlat();
+renderer.addActor(actor);
+renderer.resetCamera();
+renderer.getActiveCamera().setClippingRange(0.1, 20);
+renderer.getActiveCamera().elevation(-50);
+loop((t) => {
+  for (let p = 0; p < P; p++) points[3 * p + 2] = zs[t][p];
+  values.setData(zs[t]);
+  mesh.getPoints().modified();
+  mesh.modified();
+  window3d.getRenderWindow().render();
+});
