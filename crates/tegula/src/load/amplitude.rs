@@ -95,6 +95,16 @@ impl TimeFunction {
         }
     }
 
+    /// Whether the slope jumps at a time of an interval, its ends included: points of a table.
+    pub fn has_kink_between(&self, first: f64, last: f64) -> bool {
+        match self {
+            Self::Table(points) => {
+                points.get(points.partition_point(|p| p.0 < first)).is_some_and(|p| p.0 <= last)
+            }
+            Self::Constant(_) | Self::Spline(_) | Self::Formula(_) | Self::Signal(_) => false,
+        }
+    }
+
     /// Second derivative at a time (0 between the points of a table).
     pub fn acceleration(&self, t: f64) -> f64 {
         match self {
@@ -165,6 +175,8 @@ mod tests {
         assert_eq!([0.0, 1.5, 9.0].map(|t| f.rate(t)), [0.0, 2.0, 0.0]);
         assert_eq!([0.0, 1.0, 1.5, 2.0, 9.0].map(|t| f.rate_before(t)), [0.0, 0.0, 2.0, 2.0, 0.0]);
         assert_eq!([1.0, 2.0].map(|t| f.rate(t)), [2.0, 0.0]);
+        let kinks = [[0.0, 0.9], [0.5, 1.0], [1.1, 1.9], [1.5, 2.5], [2.1, 3.0]];
+        assert_eq!(kinks.map(|[a, b]| f.has_kink_between(a, b)), [false, true, false, true, false]);
     }
 
     #[test]

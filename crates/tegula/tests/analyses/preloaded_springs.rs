@@ -284,3 +284,57 @@ fn torsion_springs_are_wound_beside_a_weight_of_constant_amplitude() {
         assert!(moment.abs() < 1e-7, "{amplitude:?}: {} {moment:e}", angle.to_degrees());
     }
 }
+
+/// A slider on two springs and a nonlinear one, under a load that turns back at 0.3: a stable branch leads to 1 whatever the load steps, although the slope of the
+/// load jumps at the end of some of them.
+#[test]
+fn loads_that_turn_back_at_the_end_of_a_step_are_followed() {
+    let anchors = [[-0.56, 0.74, 0.0], [0.74, -0.22, 0.0], [0.36, 1.12, 0.0]];
+    let lengths = [0.3, 0.49, 1.32];
+    let (stiffnesses, cubic) = ([58.0, 1.58, 24.5], [0.0, 0.0, 49.0]);
+    let mut m = Model::of_bodies(
+        Analysis::Static(StaticAnalysis::default()),
+        vec![body("slider", [0.0; 3], 2.0, Some([1.0; 3]))],
+        vec![Joint::Prismatic(axis_joint("guide", "ground", "slider", [0.0; 3], [0.0, 1.0, 0.0]).into())],
+    );
+    m.springs = (0..3)
+        .map(|i| {
+            let mut spring =
+                spring(&format!("s{i}"), ["ground", "slider"], [anchors[i], [0.0; 3]], stiffnesses[i]);
+            spring.length = Some(lengths[i]);
+            if cubic[i] != 0.0 {
+                spring.stiffness = 0.0;
+                spring.force = Some(format!("{}*x + {}*x^3", stiffnesses[i], cubic[i]));
+            }
+            spring
+        })
+        .collect();
+    let mut load = vector_load("slider", [0.0, -15.0, 0.0]);
+    load.amplitude = Some("table".into());
+    m.loads = vec![Load::Force(load)];
+    let values = [0.165, -0.98, -0.085];
+    let table = TableAmplitude { times: vec![0.0, 0.3, 1.0], values: values.to_vec() };
+    m.amplitudes.insert("table".into(), Amplitude::Table(table));
+    let force = |y: f64| -> f64 {
+        let of_spring = |i: usize| {
+            let length = anchors[i][0].hypot(anchors[i][1] - y);
+            let x = length - lengths[i];
+            (stiffnesses[i] * x + cubic[i] * x.powi(3)) * (anchors[i][1] - y) / length
+        };
+        (0..3).map(of_spring).sum::<f64>() - 15.0 * values[2]
+    };
+    let (mut low, mut high) = (0.2, 0.6);
+    assert!(force(low) > 0.0 && force(high) < 0.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if force(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    for load_steps in [1, 2, 3, 10, 20, 50] {
+        m.analysis = Analysis::Static(StaticAnalysis { load_steps, ..StaticAnalysis::default() });
+        let (_, system) = compile(&m);
+        let found = statics::run(&system, &static_options(&m), None, &mut Record::default());
+        let state = found.unwrap_or_else(|e| panic!("{load_steps} steps: {e}")).state;
+        let (position, _) = pose(&system, &state, 0);
+        assert!((position.y - low).abs() < 1e-8, "{load_steps}: {} {low}", position.y);
+    }
+}

@@ -32,6 +32,8 @@ use serde::{Deserialize, Serialize};
 
 /// Difference of load factors with which loads are derived; it is exact for loads in proportion to the load factor.
 const LOAD_DIFFERENCE: f64 = 1e-4;
+/// Difference of load factors over [`LOAD_DIFFERENCE`] that is the round-off of the sum of steps.
+const SAME_LOAD: f64 = 1e-6;
 /// Increment over the displacements that is round-off.
 const ROUND_OFF: f64 = 1e-10;
 /// Increment over the displacements that may be round-off next to a critical point, where the tangent is nearly singular.
@@ -413,7 +415,7 @@ impl<S: TangentSolver> Newton<S> {
         force.fill([0.0; 3]);
         prescribed.fill([0.0; 3]);
         let of_elements = !system.prescribed_strains.is_empty() || system.has_actuators();
-        for &(steps, weight) in differences(system.parameter(), load) {
+        for &(steps, weight) in differences(system, load) {
             equation.time = load + steps * LOAD_DIFFERENCE;
             let factor = weight / LOAD_DIFFERENCE;
             equation.external_minus_inertia(system, field);
@@ -502,13 +504,28 @@ impl PlaneConvergence {
 }
 
 /// Places of a difference quotient of second order, in steps of the difference, and their weights. Load factors of static steps do not
-/// leave the range from 0 to 1: loads are constant outside.
-fn differences(parameter: LoadParameter, load: f64) -> &'static [(f64, f64)] {
-    let inside = |load: f64| parameter != LoadParameter::LoadFactor || (0.0..=1.0).contains(&load);
+/// leave the range from 0 to 1, and their quotients cross no kink of an amplitude: at a kink they have the slope of growing load factors.
+fn differences(system: &System, load: f64) -> &'static [(f64, f64)] {
+    const CENTRAL: &[(f64, f64)] = &[(1.0, 0.5), (-1.0, -0.5)];
+    const FORWARD: &[(f64, f64)] = &[(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)];
+    const BACKWARD: &[(f64, f64)] = &[(0.0, 1.5), (-1.0, -2.0), (-2.0, 0.5)];
+    if system.parameter() != LoadParameter::LoadFactor {
+        return CENTRAL;
+    }
+    let inside = |load: f64| (0.0..=1.0).contains(&load);
+    let kinks = |first: f64, last: f64| {
+        let [first, last] = [first, last].map(|steps| load + steps * LOAD_DIFFERENCE);
+        system.amplitudes.iter().any(|amplitude| amplitude.has_kink_between(first, last))
+    };
     match [inside(load - LOAD_DIFFERENCE), inside(load + LOAD_DIFFERENCE)] {
-        [false, true] => &[(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)],
-        [true, false] => &[(0.0, 1.5), (-1.0, -2.0), (-2.0, 0.5)],
-        _ => &[(1.0, 0.5), (-1.0, -0.5)],
+        [false, true] => FORWARD,
+        [true, false] => BACKWARD,
+        _ if kinks(-SAME_LOAD, SAME_LOAD) => FORWARD,
+        _ => match [kinks(-2.0, 0.0), kinks(0.0, 2.0)] {
+            [true, false] => FORWARD,
+            [false, true] => BACKWARD,
+            _ => CENTRAL,
+        },
     }
 }
 
