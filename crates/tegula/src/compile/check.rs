@@ -20,9 +20,6 @@ const LONGEST_NAME: usize = 60;
 /// Largest number of time steps that an analysis can be meant to take.
 const MOST_STEPS: f64 = 1e12;
 
-/// Part by which the thickness of a mesh of solids may differ from that of its section.
-const OTHER_THICKNESS: f64 = 1e-3;
-
 /// Longest name of a unit (characters): it is appended to the labels of pictures.
 const LONGEST_UNIT: usize = 20;
 
@@ -230,10 +227,10 @@ fn sections_of(model: &Model, mesh: &Mesh, c: &mut Checker) {
     for (i, s) in model.sections.iter().enumerate() {
         let key = format!("sections[{i}].on");
         let quads = c.set(mesh, key.clone(), &s.on, "quads", Mesh::quads_on);
-        match &s.thickness_distribution {
-            None => c.thickness(mesh, &format!("sections[{i}].thickness"), s.whole_thickness(), &quads),
-            Some(distribution) => c.thickness_distribution(mesh, (i, s, distribution), &quads),
+        if let Some(distribution) = &s.thickness_distribution {
+            c.thickness_distribution(mesh, (i, s, distribution), &quads);
         }
+        super::layers::check(mesh, (i, s), &quads, c);
         for q in quads {
             if let Some(other) = section_of.insert(q, i) {
                 c.add(
@@ -449,30 +446,6 @@ impl Checker {
                 Vec::new()
             }
         }
-    }
-
-    /// A mesh of solids has a thickness of its own, which has to be that of the section.
-    fn thickness(&mut self, mesh: &Mesh, key: &str, thickness: f64, quads: &[u32]) {
-        let Some(of_nodes) = &mesh.thickness else { return };
-        super::oblique_layers::refuse(mesh, key, quads, self);
-        let off = |n: u32| of_nodes.get(n as usize).map_or(0.0, |t| (t / thickness - 1.0).abs());
-        let nodes: std::collections::BTreeSet<u32> = quads
-            .iter()
-            .flat_map(|&q| mesh.quads[q as usize])
-            .filter(|&n| off(n) > OTHER_THICKNESS)
-            .collect();
-        let Some(&worst) = nodes.iter().max_by(|&&a, &&b| off(a).total_cmp(&off(b))) else { return };
-        self.add(
-            key,
-            format!(
-                "the section is {thickness} thick, but the mesh is {:.6} thick at node {}, at {} node(s) off by more than {} %",
-                of_nodes[worst as usize],
-                mesh.node_label(worst),
-                nodes.len(),
-                100.0 * OTHER_THICKNESS
-            ),
-            "give the thickness of the mesh; parts of different thickness need sections of their own",
-        );
     }
 
     /// Times of `output.at`: after the start and not after the end.

@@ -18,6 +18,7 @@ mod grid;
 mod input;
 mod junction;
 mod labels;
+pub(crate) mod middle_surface;
 mod point_tree;
 mod polyline;
 pub mod quality;
