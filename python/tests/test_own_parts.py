@@ -282,7 +282,7 @@ class Failures(unittest.TestCase):
 
     def test_a_stiffness_that_is_no_derivative_of_the_forces_is_refused(self) -> None:
         model = tegula.Model(cantilever())
-        for factor in (10.0, -1.0, 0.99):
+        for factor in (10.0, -1.0, 0.99, 0.0):
             def wrong(time: float, positions: Array, factor: float = factor) -> Array:
                 return factor * stiffness(time, positions)
 

@@ -127,7 +127,7 @@ impl Own {
                 forces: forces.clone_ref(py),
                 stiffness: copy(stiffness),
                 damping: copy(damping),
-                is_checked: AtomicBool::new(false),
+                checks: StiffnessChecks::default(),
                 raised: raised.clone(),
             };
             OwnLoad { name: name.clone(), on: on.clone(), load: Arc::new(load) }
@@ -155,9 +155,32 @@ struct PythonLoad {
     forces: Py<PyAny>,
     stiffness: Option<Py<PyAny>>,
     damping: Option<Py<PyAny>>,
-    /// Whether stiffness and damping have been found to be derivatives of the forces.
-    is_checked: AtomicBool,
+    checks: StiffnessChecks,
     raised: Raised,
+}
+
+/// Whether stiffness and damping have been found to be derivatives of the forces. Blocks of zero, such as those of a contact that is open, tell nothing of
+/// others: they are compared at the first place, at the first one with forces, and the first others once more.
+#[derive(Default)]
+struct StiffnessChecks {
+    /// Whether the last forces were other than zero.
+    is_loaded: AtomicBool,
+    of_zero: AtomicBool,
+    of_zero_under_load: AtomicBool,
+    of_others: AtomicBool,
+}
+
+impl StiffnessChecks {
+    /// Whether these blocks need a comparison, which then is taken for done.
+    fn begin(&self, blocks: &[Mat3]) -> bool {
+        let is_zero = blocks.iter().all(|block| *block == Mat3::zeros());
+        let kind = match (is_zero, self.is_loaded.load(Ordering::Acquire)) {
+            (false, _) => &self.of_others,
+            (true, true) => &self.of_zero_under_load,
+            (true, false) => &self.of_zero,
+        };
+        !kind.swap(true, Ordering::AcqRel)
+    }
 }
 
 impl fmt::Debug for PythonLoad {
@@ -189,6 +212,8 @@ impl PythonLoad {
             let what = format!("forces of the load \"{}\"", self.name);
             let given = Given::new(&what, &value, &[out.len(), 3])?;
             out.as_flattened_mut().copy_from_slice(given.finite(&what, 3)?);
+            let is_loaded = out.as_flattened().iter().any(|x| *x != 0.0);
+            self.checks.is_loaded.store(is_loaded, Ordering::Release);
             Ok(())
         })
     }
@@ -252,9 +277,7 @@ impl FieldLoad for PythonLoad {
                 return out.fill(Mat3::repeat(f64::NAN));
             }
         }
-        // Blocks of zero tell nothing, such as those of a contact that is open.
-        let tells = out.iter().any(|block| *block != Mat3::zeros());
-        if tells && !self.is_checked.swap(true, Ordering::AcqRel) {
+        if self.checks.begin(out) {
             self.raised.keep(self.check(at));
         }
     }

@@ -17,6 +17,8 @@ const ALONE: f64 = 1e-6;
 const WRONG: f64 = 1e-3;
 /// Increments of the differences with which a stiffness is compared, over the size of the model.
 const INCREMENTS: [f64; 3] = [DIFFERENCE, 1e-5, 1e-3];
+/// Increments over which differences agree with those over [`DIFFERENCE`]: those of forces of single precision are round-off, or zero below its resolution.
+const LARGER_INCREMENTS: [f64; 2] = [1e-6, 1e-5];
 /// Round-off of the difference of two forces, over the force.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 
@@ -110,25 +112,16 @@ pub fn node_of_wrong_stiffness<L: FieldLoad + ?Sized>(
     at: &LoadPoint,
     weights: [f64; 2],
 ) -> Option<usize> {
-    let n = at.positions.len();
-    let (mut blocks, mut before) = (vec![Mat3::zeros(); n], vec![[0.0; 3]; n]);
-    load.stiffness(at, weights, &mut blocks);
-    load.forces(at, &mut before);
-    let given = GivenStiffness { load, at, weights, blocks, before };
-    let mut found = None;
-    for increment in INCREMENTS {
-        let (together, tolerance) = given.errors(increment * at.length, |_| true);
-        let worst = (0..n).max_by(|a, b| together[*a].total_cmp(&together[*b]))?;
-        if together[worst] <= tolerance {
-            return None;
-        }
-        let (alone, tolerance) = given.errors(increment * at.length, |node| node == worst);
-        if alone[worst] <= tolerance {
-            return None;
-        }
-        found.get_or_insert(worst);
-    }
-    found
+    GivenStiffness::of(load, at, weights).wrong_node(&INCREMENTS)
+}
+
+/// Stiffness of a load that is not the derivative of its forces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WrongStiffness {
+    /// A function of the caller gives it.
+    OfFunction,
+    /// It is that of differences, which are round-off.
+    OfDifferences,
 }
 
 /// Blocks that a load has given, and its forces at the same place.
@@ -140,7 +133,40 @@ struct GivenStiffness<'a, L: ?Sized> {
     before: Vec<Nodal>,
 }
 
-impl<L: FieldLoad + ?Sized> GivenStiffness<'_, L> {
+impl<'a, L: FieldLoad + ?Sized> GivenStiffness<'a, L> {
+    fn of(load: &'a L, at: &'a LoadPoint<'a>, weights: [f64; 2]) -> Self {
+        let n = at.positions.len();
+        let (mut blocks, mut before) = (vec![Mat3::zeros(); n], vec![[0.0; 3]; n]);
+        load.stiffness(at, weights, &mut blocks);
+        load.forces(at, &mut before);
+        Self { load, at, weights, blocks, before }
+    }
+
+    /// Whether the blocks are those of [`stiffness_by_differences`].
+    fn is_of_differences(&self) -> bool {
+        let mut differences = vec![Mat3::zeros(); self.blocks.len()];
+        stiffness_by_differences(self.load, self.at, self.weights, &mut differences);
+        differences == self.blocks
+    }
+
+    /// Node whose block agrees with the differences over none of the increments.
+    fn wrong_node(&self, increments: &[f64]) -> Option<usize> {
+        let mut found = None;
+        for increment in increments.iter().map(|increment| increment * self.at.length) {
+            let (together, tolerance) = self.errors(increment, |_| true);
+            let worst = (0..together.len()).max_by(|a, b| together[*a].total_cmp(&together[*b]))?;
+            if together[worst] <= tolerance {
+                return None;
+            }
+            let (alone, tolerance) = self.errors(increment, |node| node == worst);
+            if alone[worst] <= tolerance {
+                return None;
+            }
+            found.get_or_insert(worst);
+        }
+        found
+    }
+
     /// Largest error of the columns of each node that moves, by the nearest one of the differences to both sides and their mean, and the error that is none.
     fn errors(&self, step: f64, moves: impl Fn(usize) -> bool) -> (Vec<f64>, f64) {
         let n = self.before.len();
@@ -255,12 +281,19 @@ impl LoadOnNodes {
         at_rest > ALONE * larger(at_rest, moved)
     }
 
-    /// Whether the blocks of [`FieldLoad::stiffness`] are other than the derivatives of the forces by the positions.
-    pub fn has_wrong_stiffness(&self, time: f64, motion: [Vec<Vec3>; 2], length: f64) -> bool {
+    /// Whether the blocks of [`FieldLoad::stiffness`] are other than the derivatives of the forces by the positions, and where they come from.
+    pub fn wrong_stiffness(&self, time: f64, motion: [Vec<Vec3>; 2], length: f64) -> Option<WrongStiffness> {
+        if self.dependence() == Dependence::Time {
+            return None;
+        }
         let [positions, velocities] = &motion;
         let at = LoadPoint { time, positions, velocities, length };
-        self.dependence() != Dependence::Time
-            && node_of_wrong_stiffness(self.load.as_ref(), &at, [1.0, 0.0]).is_some()
+        let given = GivenStiffness::of(self.load.as_ref(), &at, [1.0, 0.0]);
+        if !given.is_of_differences() {
+            return given.wrong_node(&INCREMENTS).map(|_| WrongStiffness::OfFunction);
+        }
+        let differ = LARGER_INCREMENTS.iter().any(|increment| given.wrong_node(&[*increment]).is_some());
+        differ.then_some(WrongStiffness::OfDifferences)
     }
 
     /// Last evaluation, or a new one where it was elsewhere.

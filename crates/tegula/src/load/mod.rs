@@ -18,7 +18,8 @@ pub use amplitude::TimeFunction;
 pub use centrifugal::CentrifugalLoad;
 pub use factor::{LoadFactor, LoadParameter};
 pub use field::{
-    Dependence, FieldLoad, LoadOnNodes, LoadPoint, node_of_wrong_stiffness, stiffness_by_differences,
+    Dependence, FieldLoad, LoadOnNodes, LoadPoint, WrongStiffness, node_of_wrong_stiffness,
+    stiffness_by_differences,
 };
 pub use follower::FollowerLoad;
 pub use formula::{ForceFormula, Formula, Partials, PlaceCondition, PlaceFormula};

@@ -293,6 +293,44 @@ fn modes_are_refused_where_the_stiffness_is_not_the_derivative_of_the_forces() {
     }
 }
 
+/// Springs whose forces are computed from positions of single precision, at a height of 100, without a function of their stiffness.
+#[derive(Debug)]
+struct CoarseSprings {
+    stiffness: f64,
+    single: bool,
+}
+
+impl FieldLoad for CoarseSprings {
+    fn dependence(&self) -> Dependence {
+        Dependence::Positions
+    }
+
+    fn forces(&self, at: &LoadPoint, out: &mut [Nodal]) {
+        let height = |z: f64| if self.single { f64::from((z + 100.0) as f32) } else { z + 100.0 };
+        let share = self.stiffness / out.len() as f64;
+        out.iter_mut().zip(at.positions).for_each(|(f, x)| *f = [0.0, 0.0, share * (100.0 - height(x.z))]);
+    }
+}
+
+#[test]
+fn modes_are_refused_where_differences_of_the_forces_are_round_off() {
+    let analysis = Analysis::Modal(ModalAnalysis { prestressed: true, ..ModalAnalysis::new(1) });
+    let m = Model { analysis, loads: Vec::new(), ..cantilever(0.0) };
+    let mesh = generate(&m.mesh).unwrap();
+    let modes = |single: bool| {
+        let load = Arc::new(CoarseSprings { stiffness: 100.0, single });
+        let system = with_load(&m, &mesh, "u_max", load).unwrap();
+        let state = modal::prestress(&system, &mut Silent).unwrap().state;
+        modal::run(&system, 1, Some(&state), &mut Silent).map(|_| ())
+    };
+    assert!(modes(false).is_ok());
+    let refused = modes(true).unwrap_err().to_string();
+    assert!(
+        refused.contains("load \"springs\" is not known") && refused.contains("double precision"),
+        "{refused}"
+    );
+}
+
 /// Dry friction by the sign of the velocity.
 #[derive(Debug)]
 struct DryFriction;

@@ -15,6 +15,7 @@ use super::problem::Problem;
 use crate::analysis::State;
 use crate::analysis::potential::{Place, have_potential};
 use crate::element::{Motion, TangentWeights};
+use crate::load::WrongStiffness;
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{CirculatoryStiffness, System};
 use crate::{Error, Result};
@@ -53,13 +54,25 @@ pub(super) fn refuse_loads_of_unknown_stiffness(system: &System, equilibrium: &S
                 help: "Use springs or bushings of the model between the nodes, or run a transient analysis about the equilibrium.".into(),
             });
         }
-        if load.has_wrong_stiffness(equilibrium.time, now(), system.length) {
-            return Err(Error::Singular {
-                what: format!(
-                    "The stiffness that the load \"{name}\" gives is not the derivative of its forces by the positions, with the other sign."
-                ),
-                help: "Correct the function of the stiffness, or leave it out: differences of the forces take its place.".into(),
-            });
+        match load.wrong_stiffness(equilibrium.time, now(), system.length) {
+            None => {}
+            Some(WrongStiffness::OfFunction) => {
+                return Err(Error::Singular {
+                    what: format!(
+                        "The stiffness that the load \"{name}\" gives is not the derivative of its forces by the positions, with the other sign."
+                    ),
+                    help: "Correct the function of the stiffness, or leave it out: differences of the forces take its place.".into(),
+                });
+            }
+            Some(WrongStiffness::OfDifferences) => {
+                return Err(Error::Singular {
+                    what: format!(
+                        "The stiffness of the load \"{name}\" is not known: differences of its forces over small and large increments of the positions do not agree."
+                    ),
+                    help: "Compute the forces in double precision, or give a function of their stiffness."
+                        .into(),
+                });
+            }
         }
     }
     Ok(())
