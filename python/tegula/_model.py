@@ -27,15 +27,20 @@ if TYPE_CHECKING:
 @contextlib.contextmanager
 def _reported(
     progress: Callable[[Progress], object] | bool | None, parameter: str
-) -> Iterator[Callable[[int, float, float, float, int], object] | None]:
+) -> Iterator[Callable[..., object] | None]:
     """What the compiled part calls after each step, while a bar is shown where one is wanted."""
     if progress is None or progress is False:
         yield None
     elif progress is True:
-        with Bar(parameter) as bar:
-            yield lambda *step: bar(Progress(*step))
+        with Bar() as bar:
+            yield lambda *step: bar(_progress(step, parameter))
     else:
-        yield lambda *step: progress(Progress(*step))
+        yield lambda *step: progress(_progress(step, parameter))
+
+
+def _progress(of: tuple[Any, ...], parameter: str) -> Progress:
+    """Progress of a step, whose `time` has this meaning, or of a search for modes, which tells its own."""
+    return Progress(*of) if len(of) == 6 else Progress(*of, parameter)
 
 
 class Model:
@@ -151,8 +156,8 @@ class Model:
             force: Whether the results of another model in `out` are replaced.
             progress: `True` shows a bar in a notebook, or on the terminal of standard error; elsewhere nothing. A function is called with a `Progress` at the
                 start (step 0) and after each step; an exception in it ends the run after that step, and where `out` is given the run can
-                be resumed. Outside Python's main thread it is called in a thread of the computation. Modal and buckling analyses have no
-                steps, and so no progress.
+                be resumed. Outside Python's main thread it is called in a thread of the computation. In modal and buckling analyses it is called
+                while the modes are searched for; those of a few hundred unknowns are found at once.
             loads: Forces that are functions. They act in all of the `[[steps]]`; a run that is resumed takes the same ones.
             materials: Laws that are functions, by the names of the materials that they replace, each an `ElasticLaw` or its function.
 

@@ -19,18 +19,20 @@ _WIDTH = 20
 
 
 class Progress(NamedTuple):
-    """A finished step."""
+    """A finished step, or the course of a search for modes."""
 
     step: int
-    """Number of the step."""
+    """Number of the step; in a search for modes that of the vectors of its basis."""
     time: float
-    """Time (load factor) at its end."""
+    """Time (load factor) at its end; in a search for modes the number that is found."""
     end: float
-    """Time (load factor) at which the analysis ends."""
+    """Time (load factor) at which the analysis ends; in a search for modes the number that is wanted."""
     step_size: float
-    """Length of the step."""
+    """Length of the step; 1 in a search for modes."""
     iterations: int
-    """Iterations of the step."""
+    """Iterations of the step; in a search for modes the vectors of its basis."""
+    parameter: str = "time"
+    """Meaning of `time`: `"time"`, `"load factor"`, `"time (load factor)"` where several analyses follow each other, or `"modes"`."""
 
 
 class _Display(Protocol):
@@ -116,8 +118,7 @@ class Bar:
     It is updated ten times a second at most. A bar that cannot be shown, or no longer, does not disturb the run.
     """
 
-    def __init__(self, parameter: str) -> None:
-        self._parameter = parameter
+    def __init__(self) -> None:
         self._display: _Display | None = None
         self._last: Progress | None = None
         self._start = 0.0
@@ -131,22 +132,24 @@ class Bar:
 
     def __call__(self, progress: Progress) -> None:
         now = time.monotonic()
-        if self._last is None or progress.step <= self._last.step:
+        if self._last is None or progress.step <= self._last.step or progress.parameter != self._last.parameter:
             # The first analysis, or the next one of several.
             self._begun, self._start, self._iterations = now, progress.time, 0
             self._updated = -math.inf
         self._last = progress
-        self._iterations += progress.iterations
+        self._iterations = progress.iterations if progress.parameter == "modes" else self._iterations + progress.iterations
         if self._display is not None and now - self._updated >= _SHORTEST:
             self._updated = now
             self._show(self._text(progress, now))
 
     def _text(self, progress: Progress, now: float) -> str:
+        if progress.parameter == "modes":
+            return f"{progress.time:.0f} of {progress.end:.0f} modes, basis of {progress.step} vectors"
         done, rest = progress.time - self._start, progress.end - progress.time
         left = f", {_duration((now - self._begun) * rest / done)} left" if done > 0 and rest > 0 else ""
         iterations = "1 iteration" if progress.iterations == 1 else f"{progress.iterations} iterations"
         return (
-            f"{self._parameter} {progress.time:.5g} of {progress.end:.5g}, step {progress.step}, "
+            f"{progress.parameter} {progress.time:.5g} of {progress.end:.5g}, step {progress.step}, "
             f"step size {progress.step_size:.3g}, {iterations}{left}"
         )
 
@@ -167,12 +170,18 @@ class Bar:
         if self._display is None or self._last is None:
             return
         last = self._last
+        elapsed = _duration(time.monotonic() - self._begun)
+        how = "" if kind is None else "interrupted at " if issubclass(kind, KeyboardInterrupt) else "failed after "
+        if last.parameter == "modes":
+            self._close(f"{how}{self._text(last, 0.0)}, {elapsed}")
+            return
         steps = "1 step" if last.step == 1 else f"{last.step} steps"
         iterations = "1 iteration" if self._iterations == 1 else f"{self._iterations} iterations"
-        how = "" if kind is None else "interrupted at " if issubclass(kind, KeyboardInterrupt) else "failed after "
         end = f" of {last.end:.5g}" if last.time < last.end else ""
-        elapsed = _duration(time.monotonic() - self._begun)
-        self._show(f"{how}{self._parameter} {last.time:.5g}{end}, {steps}, {iterations}, {elapsed}")
+        self._close(f"{how}{last.parameter} {last.time:.5g}{end}, {steps}, {iterations}, {elapsed}")
+
+    def _close(self, text: str) -> None:
+        self._show(text)
         with contextlib.suppress(Exception):
             if self._display is not None:
                 self._display.close()

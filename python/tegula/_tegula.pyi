@@ -69,7 +69,7 @@ class Deck:
         folder: str | PathLike[str],
         resume: bool,
         force: bool,
-        progress: Callable[[int, float, float, float, int], object] | None,
+        progress: Callable[..., object] | None,
         own: Own,
     ) -> list[str]: ...
     def steps(self, signals: list[str], start: State | None, own: Own) -> Steps: ...

@@ -103,7 +103,7 @@ class Bars(unittest.TestCase):
     def test_failed_and_interrupted_runs_say_so(self) -> None:
         for error, word in ((KeyboardInterrupt, "interrupted at time 0.25 of 1, 3 steps, 6 iterations"), (ValueError, "failed after time 0.25 of 1")):
             with self.subTest(error=error), mock.patch.object(sys, "stderr", Terminal()) as stream:
-                with self.assertRaises(error), Bar("time") as bar:
+                with self.assertRaises(error), Bar() as bar:
                     bar(tegula.Progress(0, 0.0, 1.0, 0.1, 0))
                     bar(tegula.Progress(3, 0.25, 1.0, 0.1, 6))
                     raise error
@@ -122,7 +122,7 @@ class Bars(unittest.TestCase):
     def test_updates_are_few_and_steps_cost_little(self) -> None:
         with mock.patch.object(sys, "stderr", Terminal()) as stream:
             begun = time.monotonic()
-            with Bar("time") as bar:
+            with Bar() as bar:
                 for step in range(20_000):
                     bar(tegula.Progress(step, step / 20_000, 1.0, 1e-4, 3))
             seconds = time.monotonic() - begun
@@ -130,10 +130,24 @@ class Bars(unittest.TestCase):
         self.assertLess(seconds / 20_000, 1e-4, "a call takes less than 0.1 ms")
 
     def test_the_bar_of_several_analyses_begins_anew(self) -> None:
-        with mock.patch.object(sys, "stderr", Terminal()) as stream, Bar("time (load factor)") as bar:
+        with mock.patch.object(sys, "stderr", Terminal()) as stream, Bar() as bar:
             for progress in ((0, 0.0, 1.0), (1, 1.0, 1.0), (0, 1.0, 3.0), (1, 2.0, 3.0)):
-                bar(tegula.Progress(*progress, 1.0, 1))
+                bar(tegula.Progress(*progress, 1.0, 1, "time (load factor)"))
         self.assertIn("time (load factor) 2 of 3, 1 step, 2 iterations", stream.getvalue().split("\r")[-1])
+
+    def test_a_search_for_modes_tells_how_many_are_found(self) -> None:
+        plate = {**SWING, "analysis": {"type": "modal", "modes": 30}, "loads": []}
+        plate["mesh"] = {"type": "plate", "size": [10.0, 10.0], "grid": {"elements": [16, 16]}}
+        calls: list[tegula.Progress] = []
+        tegula.Model(plate).run(progress=calls.append)
+        self.assertEqual({call.parameter for call in calls}, {"modes"})
+        self.assertEqual({call.end for call in calls}, {30.0})
+        found = [call.time for call in calls]
+        self.assertEqual((found, found[-1]), (sorted(found), 30.0))
+        self.assertGreater(len(found), 2)
+        with mock.patch.object(sys, "stderr", Terminal()) as stream:
+            tegula.Model(plate).run(progress=True)
+        self.assertRegex(stream.getvalue().split("\r")[-1], r"100 %  30 of 30 modes, basis of \d+ vectors, ")
 
     @unittest.skipUnless(hasattr(os, "openpty"), "there are no pseudo-terminals")
     def test_ctrl_c_on_a_terminal_ends_the_line(self) -> None:

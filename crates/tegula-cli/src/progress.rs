@@ -131,6 +131,16 @@ impl JobObserver for ProgressLine {
         }
     }
 
+    fn on_modes(&mut self, found: usize, wanted: usize, vectors: usize) {
+        let message = format!("{found} of {wanted} modes, basis of {vectors} vectors");
+        if let Some(bar) = &self.bar {
+            bar.set_position(MARKS * found as u64 / wanted.max(1) as u64);
+            bar.set_message(message);
+        } else if self.detail == Detail::Everything {
+            self.say(&message);
+        }
+    }
+
     fn on_event(&mut self, message: &str) {
         // Steps that are cut back are daily bread of step control; they stand in the log.
         if self.bar.is_some() || self.detail == Detail::Everything {

@@ -57,6 +57,10 @@ impl JobObserver for Watched {
         self.both(|observer| observer.on_step(progress));
     }
 
+    fn on_modes(&mut self, found: usize, wanted: usize, vectors: usize) {
+        self.both(|observer| observer.on_modes(found, wanted, vectors));
+    }
+
     fn on_recorded_step(&mut self, step: &RecordedStep<'_>) {
         self.both(|observer| observer.on_recorded_step(step));
     }

@@ -7,7 +7,8 @@ use crate::own::Raised;
 
 /// Observer that reports steps to Python, asks it for Ctrl-C, and keeps warnings.
 pub struct Watch {
-    /// Called with step, time, end time, step size and iterations after each step.
+    /// Called with step, time, end time, step size and iterations after each step, and with the numbers of vectors, modes found and modes wanted
+    /// in a search for modes.
     progress: Option<Py<PyAny>>,
     warnings: Vec<String>,
     /// Exception of a call, which ends the run.
@@ -32,6 +33,14 @@ impl JobObserver for Watch {
         let Progress { step, time, end, step_size, iterations } = *progress;
         let result =
             Python::attach(|py| function.call1(py, (step, time, end, step_size, iterations)).map(|_| ()));
+        self.raised.keep(result);
+    }
+
+    fn on_modes(&mut self, found: usize, wanted: usize, vectors: usize) {
+        let Some(function) = &self.progress else { return };
+        let result = Python::attach(|py| {
+            function.call1(py, (vectors, found as f64, wanted as f64, 1.0, vectors, "modes")).map(|_| ())
+        });
         self.raised.keep(result);
     }
 

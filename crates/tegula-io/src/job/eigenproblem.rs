@@ -117,6 +117,10 @@ impl Observer for Forward<'_> {
         Ok(())
     }
 
+    fn on_modes(&mut self, found: usize, wanted: usize, vectors: usize) {
+        self.watch.on_modes(found, wanted, vectors);
+    }
+
     fn on_repeat(&mut self, statistics: &Statistics) {
         self.before = *statistics;
     }

@@ -142,6 +142,8 @@ pub trait JobObserver {
     fn on_model(&mut self, _prepared: &Prepared, _columns: &[String]) {}
     /// A step is finished and recorded.
     fn on_step(&mut self, _progress: &Progress) {}
+    /// So many of the wanted modes of a modal or buckling analysis are found, with a basis of so many vectors.
+    fn on_modes(&mut self, _found: usize, _wanted: usize, _vectors: usize) {}
     /// State and history of the step that `on_step` has announced.
     fn on_recorded_step(&mut self, _step: &RecordedStep<'_>) {}
     /// Last state of the analysis, also where it has failed or was interrupted.

@@ -310,6 +310,8 @@ pub trait Observer {
     fn on_step(&mut self, step: &Step) -> Result<()>;
     /// Receives a finished iteration: its number, energy of the increment over the energy scale, size of the increment.
     fn on_iteration(&mut self, _iteration: u32, _energy: f64, _increment: f64) {}
+    /// Receives the course of a search for modes: the number found of those wanted, and that of the basis vectors.
+    fn on_modes(&mut self, _found: usize, _wanted: usize, _vectors: usize) {}
     /// Receives a failed step, which is cut back or given up: run counters so far, this attempt included.
     fn on_repeat(&mut self, _statistics: &Statistics) {}
     /// Receives a message of interest to the user (a cut-back, stagnation at round-off).

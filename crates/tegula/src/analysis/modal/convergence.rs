@@ -40,6 +40,7 @@ pub(in crate::analysis) fn ritz_pairs(
         let found = values.iter().take(extra).filter(|v| v.1 <= TOLERANCE).count();
         let last = values.get(wanted - 1).map_or(1.0, |v| v.1);
         observer.on_iteration(lanczos.len() as u32, last, 0.0);
+        observer.on_modes(found.min(wanted), wanted, lanczos.len());
         if found >= extra || added == 0 || full {
             return Ok(lanczos.ritz_pairs(extra));
         }
