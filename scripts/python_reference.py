@@ -14,6 +14,7 @@ PACKAGE = ROOT / "python" / "tegula"
 PAGE = ROOT / "book" / "src" / "python-reference.md"
 CHAPTERS = {
     "Models": ["Model", "run"],
+    "Knock-down curves": ["knock_down", "KnockDown"],
     "Meshes of other packages": ["from_gmsh", "from_meshio", "from_pyvista"],
     "Results": ["Result", "Table", "Frame", "Fields", "FieldArrays", "StateSpace"],
     "Step by step": ["Simulation", "Energies", "Statistics", "Progress"],

@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any
 from ._equations import Equations, State
 from ._errors import AnalysisError, Diagnostic, ModelError, ModelWarning, OutputError, TegulaError
 from ._gmsh import from_gmsh
+from ._knock_down import KnockDown, knock_down
 from ._mesh import from_meshio, from_pyvista
 from ._model import Model, run
 from ._own import ElasticLaw, NodalForce
@@ -45,6 +46,7 @@ __all__ = [
     "FieldArrays",
     "Fields",
     "Frame",
+    "KnockDown",
     "Model",
     "ModelError",
     "ModelWarning",
@@ -62,6 +64,7 @@ __all__ = [
     "from_gmsh",
     "from_meshio",
     "from_pyvista",
+    "knock_down",
     "parts",
     "run",
 ]
