@@ -40,7 +40,7 @@ def _reported(
 
 def _progress(of: tuple[Any, ...], parameter: str) -> Progress:
     """Progress of a step, whose `time` has this meaning, or of a search for modes, which tells its own."""
-    return Progress(*of) if len(of) == 6 else Progress(*of, parameter)
+    return Progress._make((*of, parameter)[:6])
 
 
 class Model:
