@@ -213,8 +213,8 @@ mod tests {
             let (sine, cosine) = degrees.to_radians().sin_cos();
             let mesh = generate(&serde_json::from_str(PLATE).unwrap()).unwrap();
             let bend = |x: &Vec3| {
-                let beyond = (x.x - 2.0).max(0.0);
-                Vec3::new(x.x.min(2.0) + beyond * cosine, x.y, beyond * sine)
+                let beyond = if x.x > 2.0 { x.x - 2.0 } else { 0.0 };
+                Vec3::new(x.x - beyond + beyond * cosine, x.y, beyond * sine)
             };
             let edge = |x: &Vec3| match x.x.total_cmp(&2.0) {
                 std::cmp::Ordering::Less => Vec3::z(),

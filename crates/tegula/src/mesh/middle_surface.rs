@@ -65,7 +65,7 @@ impl<'a> MiddleSurface<'a> {
             };
             Some((larger(angle(a.low), angle(a.high)), a.nodes())).filter(|(angle, _)| *angle >= FOLD)
         };
-        edges.iter().filter_map(|uses| fold(uses)).max_by(|a, b| a.0.total_cmp(&b.0))
+        edges.iter().filter_map(fold).max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// Angle (degrees) between an edge through the thickness and the normal at a node, where it is more than the curvature explains.
