@@ -23,8 +23,8 @@ pub struct Stops {
 }
 
 impl Stops {
-    /// Stops of an analysis from 0 to `end`: kinks of tables and ramps, in statics also turning points of formulas, and
-    /// the times that the user requests.
+    /// Stops of an analysis from 0 to `end`: kinks of tables and ramps, in time also ends of splines, in statics also turning points of
+    /// formulas, and the times that the user requests.
     pub fn of(system: &System, end: f64) -> Self {
         let mut used: Vec<usize> = system.amplitudes_in_use().map(|(i, _)| i).collect();
         used.sort_unstable();
@@ -34,6 +34,9 @@ impl Stops {
         let curved = system.yields() && system.load_factors_differ();
         let breaks = functions.map(|f| {
             let mut breaks = f.kinks();
+            if system.parameter() == LoadParameter::Time {
+                breaks.extend(f.acceleration_jumps());
+            }
             if system.parameter() == LoadParameter::LoadFactor {
                 // Yielding materials and buckling structures depend on the load history, so load reversals are stops.
                 breaks.extend(f.turning_points(0.0, end));

@@ -2,6 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+/// Change of the value in a piece by the second derivative at one of its ends, over the values, that is round-off.
+const ROUND_OFF: f64 = 1e-12;
+
 /// Cubic spline with continuous second derivative through points, and given rates at both ends. Before the first and behind the
 /// last point it continues straight.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +34,18 @@ impl Spline {
         let rates = matrix.lu().solve(&right)?;
         let points = points.iter().zip(rates.iter()).map(|(&(t, y), &rate)| (t, y, rate)).collect();
         Some(Self { points })
+    }
+
+    /// Ends at which the second derivative jumps to zero, by more than round-off of the values.
+    pub fn acceleration_jumps(&self) -> impl Iterator<Item = f64> {
+        let last = self.points.len() - 1;
+        [(0, 0), (last, last - 1)].into_iter().filter_map(|(end, piece)| {
+            let ((t0, y0, r0), (t1, y1, r1)) = (self.points[piece], self.points[piece + 1]);
+            let (h, slope) = (t1 - t0, (y1 - y0) / (t1 - t0));
+            let half = if end == 0 { 3.0 * slope - 2.0 * r0 - r1 } else { r0 + 2.0 * r1 - 3.0 * slope };
+            let size = y0.abs() + y1.abs() + h * (r0.abs() + r1.abs());
+            (half.abs() * h > ROUND_OFF * size).then_some(self.points[end].0)
+        })
     }
 
     /// Value at a time with its first and second derivative.

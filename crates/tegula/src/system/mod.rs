@@ -19,6 +19,7 @@ mod fingerprint;
 mod force_laws;
 pub(crate) mod inertia_relief;
 mod inverted_element;
+mod jumps;
 mod local_frames;
 pub mod lumped_body;
 pub mod lumping;
@@ -506,15 +507,6 @@ impl System {
     pub fn has_rate_damping(&self) -> bool {
         self.groups.iter().any(|g| g.has_rate_damping())
             || self.followers.iter().any(FollowerLoad::depends_on_velocities)
-    }
-
-    /// Whether the velocity of a prescribed motion jumps at a time.
-    pub fn has_kink(&self, time: f64) -> bool {
-        let kink =
-            |a: &TimeFunction| matches!(a, TimeFunction::Table(_)) && a.rate(time) != a.rate_before(time);
-        let motions = self.dofs().prescribed.iter().filter_map(|p| p.amplitude);
-        let drives = self.joints.iter().filter_map(|joint| joint.drive.map(|drive| drive.amplitude));
-        motions.chain(drives).filter_map(|a| self.amplitudes.get(a)).any(kink)
     }
 
     /// Writes prescribed accelerations at a time.

@@ -4,6 +4,7 @@ use crate::common::Notes;
 use crate::multibody::{between, body, gravity, machine, pose, run};
 use tegula::analysis::{Silent, dynamics, statics};
 use tegula::model::*;
+use tegula::norm::max_norm;
 use tegula::result::joint_reaction;
 use tegula::{Mat3, Vec3, compile, mesh};
 
@@ -340,5 +341,24 @@ fn a_damper_takes_the_jump_of_the_rate_of_a_drive() {
         }
         let last = notes.states.last().unwrap();
         assert!((last.dissipated - 0.7 * 0.4).abs() < 2e-3, "{scheme:?}: {}", last.dissipated);
+    }
+}
+
+/// A body that a spline turns by 1 rad and then holds stands still without acceleration: that of the end of the spline, 6 rad/s², does not alternate on.
+#[test]
+fn accelerations_behind_a_spline_are_those_of_rest() {
+    let generalized = |spectral_radius| Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius });
+    for scheme in [generalized(1.0), generalized(0.8), Scheme::Bdf2(Bdf2Scheme {})] {
+        let arm = body("arm", [0.5, 0.0, 0.0], 1.0, Some([0.1; 3]));
+        let mut m = machine(1.5, 7e-3, vec![arm], driven_hinge("arm", [0.0; 3], [0.0, 0.0, 1.0]));
+        let turn = SplineAmplitude { times: vec![0.0, 1.0], values: vec![0.0, 1.0], rates: [0.0; 2] };
+        m.amplitudes.insert("angle".into(), Amplitude::Spline(turn));
+        let Analysis::Transient(options) = &mut m.analysis else { panic!("no transient analysis") };
+        options.scheme = scheme;
+        let (_, state) = run(&m, &mut Silent);
+        for (what, field) in [("acceleration", &state.a), ("velocity", &state.v)] {
+            let size = max_norm(field.as_flattened().iter().copied());
+            assert!(size < 1e-6, "{scheme:?}: {what} {size}");
+        }
     }
 }

@@ -7,13 +7,42 @@
 //!
 //! Strain-rate damping changes its forces with the velocities at once, and accelerations follow: `M_ff Δa_f = −Δf`.
 
+use super::schemes::Instant;
 use super::{constrained_start, project_rates};
 use crate::analysis::newton::Newton;
 use crate::analysis::{State, equilibrium};
 use crate::element::{Motion, Nodal};
 use crate::error::{Error, Result};
+use crate::model::Scheme;
 use crate::system::{EvaluationPoint, System};
 use tegula_sparse::Factor;
+
+/// Passes a jump of the velocity or the acceleration of a prescribed motion or a drive at the end of a step. Schemes that carry accelerations from step
+/// to step start anew behind it: an acceleration of the other side would alternate about the right one from then on. Returns the kinetic energy that an
+/// impact supplies.
+///
+/// # Errors
+/// The mass matrix is singular.
+pub(super) fn pass_jumps(
+    system: &System,
+    newton: &mut Newton,
+    scheme: Scheme,
+    state: &mut State,
+) -> Result<f64> {
+    let carries_accelerations = !scheme.conserves_energy() && !scheme.is_kinematic();
+    let mut supplied = 0.0;
+    if system.has_kink(state.time) {
+        supplied = pass_kink(system, newton, scheme.instant(system) == Instant::Middle, state)?;
+    } else if carries_accelerations && system.has_jump_of_acceleration(state.time) {
+        take_mass(system, newton, state)?;
+    } else {
+        return Ok(0.0);
+    }
+    if carries_accelerations {
+        start_anew(system, newton, state);
+    }
+    Ok(supplied)
+}
 
 /// Updates velocities, and with them accelerations, from those before a kink of a prescribed motion to those behind it.
 /// Mean accelerations of a step (`mean`), which satisfy no equation of an instant, stay. Returns the kinetic energy
@@ -21,7 +50,7 @@ use tegula_sparse::Factor;
 ///
 /// # Errors
 /// The mass matrix is singular.
-pub(super) fn pass_kink(system: &System, newton: &mut Newton, mean: bool, state: &mut State) -> Result<f64> {
+fn pass_kink(system: &System, newton: &mut Newton, mean: bool, state: &mut State) -> Result<f64> {
     let before = system.kinetic_energy(state.velocities_of_scheme());
     let old = state.v.clone();
     system.prescribe_velocity(state.time, &mut state.v);

@@ -9,7 +9,6 @@ use super::kinematics::determined;
 use super::load_watch::LoadWatch;
 use super::rank_watch::RankWatch;
 use super::rotation_watch::RotationWatch;
-use super::schemes::Instant;
 use super::step_control::StepControl;
 use super::step_end::{Span, StepEnds};
 use super::trouble::{Trouble, advice};
@@ -331,13 +330,7 @@ impl<'a> TimeSteps<'a> {
                 found.iter().for_each(|message| observer.on_event(message));
             }
         }
-        if system.has_kink(span.end) {
-            let mean = self.options.scheme.instant(system) == Instant::Middle;
-            state.work += impact::pass_kink(system, newton, mean, state)?;
-            if !self.options.scheme.conserves_energy() && !self.options.scheme.is_kinematic() {
-                impact::start_anew(system, newton, state);
-            }
-        }
+        state.work += impact::pass_jumps(system, newton, self.options.scheme, state)?;
         state.step += 1;
         state.next_step = control.next(span.dt, state.next_step, error, converged.tangents);
         if state.next_step > MOST_GROWTH * span.dt {
