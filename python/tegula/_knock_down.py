@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._model import Model
-from ._part import Keys, Part
+from ._model import Model, as_model
+from ._part import Keys
 from ._result import Result
 
 if TYPE_CHECKING:
@@ -59,13 +59,10 @@ def knock_down(
         AnalysisError: a path could not be followed; a note tells the factor.
         OutputError: a result folder cannot be used.
     """
-    if isinstance(model, (Mapping, Part)):
-        model = Model(model)
-    elif not isinstance(model, Model):
-        model = Model.read(model)
-    keys = model.keys()
+    nominal = as_model(model)
+    keys = nominal.keys()
     values = np.array([float(factor) for factor in factors])
-    if keys["analysis"]["type"] != "path" or keys.get("steps"):
+    if keys.get("steps") or keys["analysis"]["type"] != "path":
         raise ValueError('a knock-down curve needs the analysis `type = "path"`, without `[[steps]]`')
     if not keys.get("imperfections"):
         raise ValueError("a knock-down curve needs `imperfections`: the model has none")
@@ -75,9 +72,9 @@ def knock_down(
     kinds: list[str | None] = []
     results: list[Result] = []
     for factor in values:
-        scaled = Model(_scaled(keys, float(factor)), folder=model.path.parent)
+        scaled = Model(_scaled(keys, float(factor)), folder=nominal.path.parent)
         try:
-            result = scaled.run(None if out is None else Path(out) / f"factor-{factor:g}", _stacklevel=3)
+            result = scaled.run(None if out is None else Path(out) / f"factor-{np.format_float_positional(factor, trim='-')}", _stacklevel=3)
         except Exception as error:
             error.add_note(f"with the imperfections times {factor:g}")
             raise

@@ -303,6 +303,13 @@ def _from_text(text: str, path: str) -> Model:
     return Model.from_toml(text, path=path)
 
 
+def as_model(model: str | PathLike[str] | parts.Model | Keys | Model) -> Model:
+    """A model from the path of its file, a dictionary with its keys or a `parts.Model`; a `Model` as it is."""
+    if isinstance(model, Model):
+        return model
+    return Model(model) if isinstance(model, (Mapping, Part)) else Model.read(model)
+
+
 def run(
     model: str | PathLike[str] | parts.Model | Keys | Model,
     out: str | PathLike[str] | None = None,
@@ -333,10 +340,6 @@ def run(
         OutputError: the folder cannot be used, or a result cannot be written.
         ValueError: `resume` without `out`, or functions do not fit the model.
     """
-    if isinstance(model, (Mapping, Part)):
-        model = Model(model)
-    elif not isinstance(model, Model):
-        model = Model.read(model)
-    return model.run(
+    return as_model(model).run(
         out, resume=resume, force=force, progress=progress, loads=loads, materials=materials, _stacklevel=3
     )

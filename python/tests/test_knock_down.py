@@ -65,7 +65,7 @@ class KnockDown(unittest.TestCase):
             for factor, result in zip(found.factors, found.results):
                 stress = abs(result.history["support.v_max.fy"][-1]) / area / STRESS
                 with self.subTest(factor):
-                    self.assertLess(abs(stress / one_term(0.01 * factor) - 1.0), 0.03)
+                    self.assertLess(abs(stress / one_term(0.01 * factor) - 1.0), 0.01)
         self.assertEqual(found.kinds, ["bifurcation", "bifurcation"])
         self.assertEqual(seen, list(zip(found.factors, found.load_factors)))
         # The imperfect cylinder is softer: it is shortened by more than the strain of its stress.
@@ -74,6 +74,10 @@ class KnockDown(unittest.TestCase):
     def test_paths_without_a_critical_point_have_none(self) -> None:
         keys = cylinder()
         keys["analysis"]["end_load"] = 0.1
+        with tempfile.TemporaryDirectory() as folder:
+            # Factors that differ in the last digit have folders of their own.
+            tegula.knock_down(keys, [0.1, 0.1 + 2e-17 + 1e-16], folder)
+            self.assertEqual(len(list(Path(folder).iterdir())), 2)
         found = tegula.knock_down(keys, [0.0, 1.0])
         self.assertTrue(np.isnan(found.load_factors).all())
         self.assertEqual(found.kinds, [None, None])
@@ -84,6 +88,10 @@ class KnockDown(unittest.TestCase):
         static = {**cylinder(), "analysis": {"type": "static"}}
         with self.assertRaisesRegex(ValueError, 'type = "path"'):
             tegula.knock_down(static, [1.0])
+        steps = {key: value for key, value in cylinder().items() if key != "analysis"}
+        steps["steps"] = [{"analysis": cylinder()["analysis"]}]
+        with self.assertRaisesRegex(ValueError, 'type = "path"'):
+            tegula.knock_down(steps, [1.0])
         with self.assertRaisesRegex(ValueError, "finite"):
             tegula.knock_down(cylinder(), [math.nan])
 

@@ -157,10 +157,7 @@ fn factors(problem: &mut Problem, options: &BucklingAnalysis, observer: &mut dyn
                     help: "Reverse the loads, or give `signs = \"both\"`.".into(),
                 }
             }
-            None => Error::Singular {
-                what: "The loads produce no stress under which the structure could buckle.".into(),
-                help: "Check that the loads act on parts that supports do not hold.".into(),
-            },
+            None => search::without_stress(),
         });
     }
     if found.modes.len() < wanted {
@@ -182,6 +179,9 @@ fn finish(problem: &mut Problem, mut mode: search::Mode) -> Result<BucklingMode>
     problem.constrain(&mut mode.vector);
     let mut shape = vec![[0.0; 3]; system.vectors()];
     problem.newton.assembly.frames.expand(&mode.vector, &mut shape);
+    if problem.is_without_stress(&mode.vector, &shape) {
+        return Err(search::without_stress());
+    }
     let mut factor = mode.factor;
     let hidden = match problem.strain_energy(&shape) {
         Some(energy) => {

@@ -23,9 +23,9 @@ pub struct Stops {
 }
 
 impl Stops {
-    /// Stops of an analysis from 0 to `end`: kinks of tables and ramps, in time also ends of splines, in statics also turning points of
-    /// formulas, and the times that the user requests.
-    pub fn of(system: &System, end: f64) -> Self {
+    /// Stops of an analysis from 0 to `end`: kinks of tables and ramps, in statics also turning points of formulas, the times that
+    /// the user requests, and `others`.
+    pub fn of(system: &System, end: f64, others: Vec<f64>) -> Self {
         let mut used: Vec<usize> = system.amplitudes_in_use().map(|(i, _)| i).collect();
         used.sort_unstable();
         used.dedup();
@@ -34,9 +34,6 @@ impl Stops {
         let curved = system.yields() && system.load_factors_differ();
         let breaks = functions.map(|f| {
             let mut breaks = f.kinks();
-            if system.parameter() == LoadParameter::Time {
-                breaks.extend(f.acceleration_jumps());
-            }
             if system.parameter() == LoadParameter::LoadFactor {
                 // Yielding materials and buckling structures depend on the load history, so load reversals are stops.
                 breaks.extend(f.turning_points(0.0, end));
@@ -46,8 +43,9 @@ impl Stops {
             }
             breaks
         });
-        let breaks =
-            breaks.map(|times| times.into_iter().filter(|&t| t < end).map(|t| before_end(t, end)).collect());
+        let breaks = breaks
+            .chain([others])
+            .map(|times| times.into_iter().filter(|&t| t < end).map(|t| before_end(t, end)).collect());
         Self::merged(breaks.chain([system.wanted_times.clone()]), end)
     }
 

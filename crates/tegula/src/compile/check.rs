@@ -7,6 +7,7 @@ use super::distributions::wrong_formula;
 use super::{amplitudes, check_material, steps};
 use crate::checker::Checker;
 use crate::mesh::Mesh;
+use crate::mesh::middle_surface::MiddleSurface;
 use crate::model::loads::LoadedPart;
 use crate::model::{
     AddedMass, Analysis, InitialVelocity, Joint, LinearSolver, Load, MeshSet, Model, StopCondition,
@@ -224,13 +225,16 @@ fn sets_of(model: &Model, mesh: &Mesh) -> Vec<Issue> {
 /// Elements with two sections or without one.
 fn sections_of(model: &Model, mesh: &Mesh, c: &mut Checker) {
     let mut section_of: BTreeMap<u32, usize> = BTreeMap::new();
+    let surface = MiddleSurface::of(mesh);
     for (i, s) in model.sections.iter().enumerate() {
         let key = format!("sections[{i}].on");
         let quads = c.set(mesh, key.clone(), &s.on, "quads", Mesh::quads_on);
         if let Some(distribution) = &s.thickness_distribution {
             c.thickness_distribution(mesh, (i, s, distribution), &quads);
         }
-        super::layers::check(mesh, (i, s), &quads, c);
+        if let Some(surface) = &surface {
+            super::layers::check(surface, (i, s), &quads, c);
+        }
         for q in quads {
             if let Some(other) = section_of.insert(q, i) {
                 c.add(

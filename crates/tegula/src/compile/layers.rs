@@ -14,14 +14,18 @@ use std::collections::BTreeSet;
 const OTHER_THICKNESS: f64 = 1e-3;
 
 /// Refuses a mesh of solids whose thickness is other than that of a section on its quads, or whose edges through the thickness cannot be those of a shell.
-pub(super) fn check(mesh: &Mesh, (number, section): (usize, &Section), quads: &[u32], c: &mut Checker) {
-    let (Some(edges), Some(thicknesses)) = (&mesh.normals, &mesh.thickness) else { return };
+pub(super) fn check(
+    surface: &MiddleSurface<'_>,
+    (number, section): (usize, &Section),
+    quads: &[u32],
+    c: &mut Checker,
+) {
+    let MiddleSurface { mesh, through, thicknesses, .. } = surface;
     let key = format!("sections[{number}].thickness");
-    let surface = MiddleSurface::of(mesh);
     if let Some((angle, nodes)) = surface.sharpest_fold(quads) {
         return refuse_fold(mesh, &key, (angle, nodes), c);
     }
-    refuse_oblique(mesh, &key, (&surface, edges), quads, c);
+    refuse_oblique(mesh, &key, (surface, through), quads, c);
     refuse_other_thickness(mesh, (&key, section), thicknesses, quads, c);
 }
 
@@ -116,7 +120,7 @@ mod tests {
         let quads: Vec<u32> = (0..mesh.quads.len() as u32).collect();
         let section: Section =
             serde_json::from_str(r#"{ "material": "steel", "thickness": 0.1, "element": "ems" }"#).unwrap();
-        check(mesh, (0, &section), &quads, &mut c);
+        check(&MiddleSurface::of(mesh).unwrap(), (0, &section), &quads, &mut c);
         c.issues.first().map(ToString::to_string)
     }
 
@@ -165,7 +169,7 @@ mod tests {
                     .unwrap();
             section.thickness_distribution = Some(serde_json::from_str(distribution).unwrap());
             let quads: Vec<u32> = (0..mesh.quads.len() as u32).collect();
-            check(mesh, (0, &section), &quads, &mut c);
+            check(&MiddleSurface::of(mesh).unwrap(), (0, &section), &quads, &mut c);
             c.issues.first().map(ToString::to_string)
         };
         let told = refused(&mesh, r#""1 - x/12""#).unwrap();
@@ -187,6 +191,16 @@ mod tests {
         assert_eq!(refused(&layer(&coarse, |x| radial(x, 0.03))), None);
         let told = refused(&layer(&coarse, |x| radial(x, 0.12))).unwrap();
         assert!(told.contains("lean by up to"), "{told}");
+    }
+
+    /// Two facets of 28° with all edges in one direction: at the rims the edges lean to the side of the other facet.
+    #[test]
+    fn edges_of_one_direction_on_two_facets_are_refused() {
+        let arc = QUARTER.replace("90.0", "56.0").replace("[9, 2]", "[2, 2]");
+        assert_eq!(refused(&layer(&arc, |x| x.cross(&AXIS).cross(&AXIS) * -1.0)), None);
+        let (sine, cosine) = 28.0_f64.to_radians().sin_cos();
+        let told = refused(&layer(&arc, |_| Vec3::new(sine, 0.0, cosine))).unwrap();
+        assert!(told.contains("lean by up to 14.0°"), "{told}");
     }
 
     /// A cone whose edges are radial instead of normal.

@@ -95,8 +95,8 @@ impl TimeFunction {
         }
     }
 
-    /// Whether the slope jumps at a time of an interval, its ends included: points of a table.
-    pub fn has_kink_between(&self, first: f64, last: f64) -> bool {
+    /// Whether a point of a table lies in an interval of time, its ends included: the slope may jump there.
+    pub fn has_point_between(&self, first: f64, last: f64) -> bool {
         match self {
             Self::Table(points) => {
                 points.get(points.partition_point(|p| p.0 < first)).is_some_and(|p| p.0 <= last)
@@ -176,7 +176,7 @@ mod tests {
         assert_eq!([0.0, 1.0, 1.5, 2.0, 9.0].map(|t| f.rate_before(t)), [0.0, 0.0, 2.0, 2.0, 0.0]);
         assert_eq!([1.0, 2.0].map(|t| f.rate(t)), [2.0, 0.0]);
         let kinks = [[0.0, 0.9], [0.5, 1.0], [1.1, 1.9], [1.5, 2.5], [2.1, 3.0]];
-        assert_eq!(kinks.map(|[a, b]| f.has_kink_between(a, b)), [false, true, false, true, false]);
+        assert_eq!(kinks.map(|[a, b]| f.has_point_between(a, b)), [false, true, false, true, false]);
     }
 
     #[test]

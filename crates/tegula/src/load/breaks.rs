@@ -22,14 +22,6 @@ impl TimeFunction {
         }
     }
 
-    /// Times at which the second derivative jumps while the slope does not: ends of splines.
-    pub fn acceleration_jumps(&self) -> Vec<f64> {
-        match self {
-            Self::Spline(spline) => spline.acceleration_jumps().collect(),
-            Self::Constant(_) | Self::Table(_) | Self::Formula(_) | Self::Signal(_) => Vec::new(),
-        }
-    }
-
     /// Times of the local extrema of a formula between `from` and `to`; empty for tables, whose extrema are kinks.
     pub fn turning_points(&self, from: f64, to: f64) -> Vec<f64> {
         if !self.is_formula() {

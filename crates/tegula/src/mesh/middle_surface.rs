@@ -15,7 +15,8 @@ use crate::norm::larger;
 const OBLIQUE: f64 = 3.0;
 /// Part of the largest angle between a facet and the normal that may be an error of the normal at nodes inside of the surface.
 const OF_TURN_INSIDE: f64 = 0.25;
-/// Part of the largest angle between neighbouring facets that may lie between a facet and the normal at a rim; it is half of it for facets of equal size.
+/// Part of the largest angle between neighbouring facets that may lie between a facet and the normal at a rim, which leans away from the facets beside; it is
+/// half of it for facets of equal size.
 const OF_TURN_AT_RIM: f64 = 0.75;
 /// Angle between neighbouring facets (degrees) from which on they are sheets that meet at an edge, and no curved surface: the edges through the thickness are the
 /// directors, and one director for both sheets leaves an error of 2 % of the flexibility at this angle where each sheet has one element.
@@ -23,7 +24,13 @@ pub(crate) const FOLD: f64 = 30.0;
 
 /// Middle surface of a layer.
 pub(crate) struct MiddleSurface<'a> {
-    mesh: &'a Mesh,
+    /// The mesh, whose quads are its facets.
+    pub mesh: &'a Mesh,
+    /// Directions of the edges through the thickness at the corners of the quads.
+    pub through: &'a [[Vec3; 4]],
+    /// Thickness at the nodes (length).
+    pub thicknesses: &'a [f64],
+    edges: Edges,
     /// Unit normals of the facets at their corners.
     normals: Vec<[Vec3; 4]>,
     /// Quads around each node, and their corners there.
@@ -33,8 +40,10 @@ pub(crate) struct MiddleSurface<'a> {
 }
 
 impl<'a> MiddleSurface<'a> {
-    /// Middle surface of a mesh.
-    pub(crate) fn of(mesh: &'a Mesh) -> Self {
+    /// Middle surface of a mesh of solids; `None` for other meshes.
+    pub(crate) fn of(mesh: &'a Mesh) -> Option<Self> {
+        let (through, thicknesses) = (mesh.normals.as_deref()?, mesh.thickness.as_deref()?);
+        let edges = Edges::of(&mesh.quads);
         let mut around = vec![Vec::new(); mesh.positions.len()];
         for (q, quad) in mesh.quads.iter().enumerate() {
             for (corner, node) in quad.iter().enumerate() {
@@ -42,18 +51,17 @@ impl<'a> MiddleSurface<'a> {
             }
         }
         let mut inside = vec![true; mesh.positions.len()];
-        for uses in Edges::of(&mesh.quads).iter().filter(|uses| uses.len() == 1) {
+        for uses in edges.iter().filter(|uses| uses.len() == 1) {
             for node in uses[0].nodes() {
                 inside.get_mut(node as usize).into_iter().for_each(|inside| *inside = false);
             }
         }
-        Self { mesh, normals: mesh.facet_normals(), around, inside }
+        Some(Self { mesh, through, thicknesses, edges, normals: mesh.facet_normals(), around, inside })
     }
 
     /// Largest angle (degrees) between facets of a section and their neighbours, from [`FOLD`] on, and the nodes of the edge.
     pub(crate) fn sharpest_fold(&self, quads: &[u32]) -> Option<(f64, [u32; 2])> {
         let of_section: HashSet<u32> = quads.iter().copied().collect();
-        let edges = Edges::of(&self.mesh.quads);
         let fold = |uses: &[EdgeUse]| {
             let [a, b] = uses else { return None };
             if !(of_section.contains(&a.quad) || of_section.contains(&b.quad)) {
@@ -65,7 +73,7 @@ impl<'a> MiddleSurface<'a> {
             };
             Some((larger(angle(a.low), angle(a.high)), a.nodes())).filter(|(angle, _)| *angle >= FOLD)
         };
-        edges.iter().filter_map(fold).max_by(|a, b| a.0.total_cmp(&b.0))
+        self.edges.iter().filter_map(fold).max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// Angle (degrees) between an edge through the thickness and the normal at a node, where it is more than the curvature explains.
@@ -89,8 +97,8 @@ impl<'a> MiddleSurface<'a> {
         (!explained).then_some(lean)
     }
 
-    /// Whether the turn of the surface beside a node at its rim explains the lean of an edge from the mean normal: the lean along the largest turn and across it
-    /// lies in the ellipse of what the turns in both directions allow.
+    /// Whether the turn of the surface beside a node at its rim explains the lean of an edge from the mean normal: the lean along the largest turn and across it,
+    /// each against the turn of the facets beside, lies in the ellipse of what the turns in both directions allow.
     fn rim_explains(&self, around: &[(usize, usize)], mean: &Vec3, edge: &Vec3) -> bool {
         let nodes = around.iter().flat_map(|&(q, _)| self.mesh.quads[q]);
         let beside = nodes.filter_map(|node| self.around.get(node as usize)).flatten();
@@ -103,7 +111,8 @@ impl<'a> MiddleSurface<'a> {
             return lean.norm() <= smallest;
         };
         let part = |direction: &Vec3| {
-            let turn = turns.iter().map(|turn| turn.dot(direction).abs()).fold(0.0, larger);
+            let against = -lean.dot(direction).signum();
+            let turn = turns.iter().map(|turn| against * turn.dot(direction)).fold(0.0, larger);
             (lean.dot(direction) / (smallest + OF_TURN_AT_RIM * turn)).powi(2)
         };
         part(&along) + part(&mean.cross(&along)) <= 1.0

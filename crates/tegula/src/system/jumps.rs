@@ -1,7 +1,7 @@
 //! Jumps of the velocities and accelerations of prescribed motions and drives.
 
 use super::System;
-use crate::load::TimeFunction;
+use crate::load::{Spline, TimeFunction};
 
 impl System {
     /// Whether the velocity of a prescribed motion or a drive jumps at a time: at a kink of a table.
@@ -11,11 +11,19 @@ impl System {
         })
     }
 
-    /// Whether the acceleration of a prescribed motion or a drive jumps at a time while its velocity does not: at an end of a spline.
+    /// Times at which the acceleration of a prescribed motion or a drive jumps while its velocity does not: ends of splines.
+    pub fn jumps_of_acceleration(&self) -> Vec<f64> {
+        self.splines_of_motions().flat_map(Spline::acceleration_jumps).collect()
+    }
+
+    /// Whether the acceleration of a prescribed motion or a drive jumps at a time while its velocity does not.
     pub fn has_jump_of_acceleration(&self, time: f64) -> bool {
-        self.amplitudes_of_motions().any(|amplitude| match amplitude {
-            TimeFunction::Spline(spline) => spline.acceleration_jumps().any(|jump| jump == time),
-            _ => false,
+        self.splines_of_motions().any(|spline| spline.acceleration_jumps().any(|jump| jump == time))
+    }
+
+    fn splines_of_motions(&self) -> impl Iterator<Item = &Spline> {
+        self.amplitudes_of_motions().filter_map(|amplitude| {
+            if let TimeFunction::Spline(spline) = amplitude { Some(spline) } else { None }
         })
     }
 

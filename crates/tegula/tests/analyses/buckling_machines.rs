@@ -216,3 +216,60 @@ fn moments_without_potential_are_refused() {
     m.loads = vec![Load::Moment(VectorLoad::new("b.end", [0.0, 1.0, 0.0]))];
     assert!(message(&m).contains("no potential"), "{}", message(&m));
 }
+
+/// A beam between a hinge and a body that is fixed to the ground: the joint takes a force on the body, and none goes through the beam.
+#[test]
+fn loads_that_joints_take_into_the_ground_are_refused() {
+    let column = |joint: &str| {
+        let text = format!(
+            r#"{{
+                "analysis": {{ "type": "buckling", "factors": 2 }},
+                "materials": {{ "m": {{ "type": "isotropic", "young": 1e9, "poisson": 0.3 }} }},
+                "beams": [{{
+                    "name": "c", "points": [[0, 0, 0], [1, 0, 0]], "elements": 8, "direction": [0, 0, 1], "material": "m",
+                    "section": {{ "type": "rectangle", "size": [0.01, 0.02] }}
+                }}],
+                "bodies": [{{ "name": "block", "at": [1, 0, 0], "mass": 1, "inertia": [1, 1, 1] }}],
+                "joints": [
+                    {{ "type": "revolute", "name": "a", "between": ["ground", "c.start"], "at": [0, 0, 0], "axis": [0, 1, 0] }},
+                    {{ "type": "revolute", "name": "b", "between": ["block", "c.end"], "at": [1, 0, 0], "axis": [0, 1, 0] }},
+                    {joint}
+                ],
+                "loads": [{{ "type": "force", "on": "block", "value": [-16, 0, 0] }}]
+            }}"#
+        );
+        serde_json::from_str::<Model>(&text).unwrap()
+    };
+    let fixed = r#"{ "type": "fixed", "name": "g", "between": ["ground", "block"], "at": [1, 0, 0] }"#;
+    assert!(message(&column(fixed)).contains("produce no stress"), "{}", message(&column(fixed)));
+    let slide = r#"{ "type": "prismatic", "name": "g", "between": ["ground", "block"], "at": [1, 0, 0], "axis": [1, 0, 0] }"#;
+    let found = factors(&column(slide));
+    let euler = PI * PI * 1e9 * 0.02 * 0.01_f64.powi(3) / 12.0 / 16.0;
+    assert!((found[0] / euler - 1.0).abs() < 0.02, "{found:?} {euler}");
+}
+
+/// A strip that a prescribed displacement of both ends moves as a whole has no stress but for round-off.
+#[test]
+fn rigid_prescribed_motions_are_refused() {
+    let mut m = Model::new(
+        plate([1.0, 0.1], [8, 2], 0.0),
+        Analysis::Buckling(BucklingAnalysis::new(1)),
+        Isotropic::new(YOUNG, 0.3, 1.0),
+        0.01,
+    );
+    let moved = |on: &str, component: Axis, value: f64| {
+        Condition::Prescribe(PrescribeComponent {
+            on: on.into(),
+            of: NodalVector::Position,
+            component,
+            value,
+            amplitude: None,
+        })
+    };
+    let ends = ["u_min", "u_max"];
+    m.conditions = ends
+        .iter()
+        .flat_map(|on| [moved(on, Axis::X, 0.3), moved(on, Axis::Y, 0.1), moved(on, Axis::Z, 0.2)])
+        .collect();
+    assert!(message(&m).contains("produce no stress"), "{}", message(&m));
+}

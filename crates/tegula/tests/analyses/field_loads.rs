@@ -229,18 +229,20 @@ impl FieldLoad for Between {
     }
 }
 
-#[test]
-fn modes_are_refused_where_forces_depend_on_other_nodes() {
+/// Lowest mode of a cantilever with a load on the nodes of its end, about the equilibrium.
+fn mode_with(load: impl FieldLoad + 'static) -> tegula::Result<()> {
     let analysis = Analysis::Modal(ModalAnalysis { prestressed: true, ..ModalAnalysis::new(1) });
     let m = Model { analysis, ..cantilever(1e-3) };
     let mesh = generate(&m.mesh).unwrap();
-    let modes = |load: Arc<dyn FieldLoad>| {
-        let system = with_load(&m, &mesh, "u_max", load).unwrap();
-        let state = modal::prestress(&system, &mut Silent).unwrap().state;
-        modal::run(&system, 1, Some(&state), &mut Silent)
-    };
-    assert!(modes(Arc::new(Springs { stiffness: 100.0, ..Springs::default() })).is_ok());
-    let refused = modes(Arc::new(Between)).map(|_| ()).unwrap_err().to_string();
+    let system = with_load(&m, &mesh, "u_max", Arc::new(load)).unwrap();
+    let state = modal::prestress(&system, &mut Silent).unwrap().state;
+    modal::run(&system, 1, Some(&state), &mut Silent).map(|_| ())
+}
+
+#[test]
+fn modes_are_refused_where_forces_depend_on_other_nodes() {
+    assert!(mode_with(Springs { stiffness: 100.0, ..Springs::default() }).is_ok());
+    let refused = mode_with(Between).unwrap_err().to_string();
     assert!(refused.contains("the load \"springs\" depend on the motion of other nodes"), "{refused}");
 }
 
@@ -273,15 +275,9 @@ impl FieldLoad for GivenStiffness {
 
 #[test]
 fn modes_are_refused_where_the_stiffness_is_not_the_derivative_of_the_forces() {
-    let analysis = Analysis::Modal(ModalAnalysis { prestressed: true, ..ModalAnalysis::new(1) });
-    let m = Model { analysis, ..cantilever(1e-3) };
-    let mesh = generate(&m.mesh).unwrap();
     let modes = |factor: f64, single: bool| {
         let springs = Springs { stiffness: 100.0, ..Springs::default() };
-        let load = Arc::new(GivenStiffness { springs, factor, single });
-        let system = with_load(&m, &mesh, "u_max", load).unwrap();
-        let state = modal::prestress(&system, &mut Silent).unwrap().state;
-        modal::run(&system, 1, Some(&state), &mut Silent).map(|_| ())
+        mode_with(GivenStiffness { springs, factor, single })
     };
     assert!(modes(1.0, false).is_ok() && modes(1.0, true).is_ok());
     for factor in [0.0, 0.99, 10.0, -1.0] {
@@ -314,15 +310,7 @@ impl FieldLoad for CoarseSprings {
 
 #[test]
 fn modes_are_refused_where_differences_of_the_forces_are_round_off() {
-    let analysis = Analysis::Modal(ModalAnalysis { prestressed: true, ..ModalAnalysis::new(1) });
-    let m = Model { analysis, loads: Vec::new(), ..cantilever(0.0) };
-    let mesh = generate(&m.mesh).unwrap();
-    let modes = |single: bool| {
-        let load = Arc::new(CoarseSprings { stiffness: 100.0, single });
-        let system = with_load(&m, &mesh, "u_max", load).unwrap();
-        let state = modal::prestress(&system, &mut Silent).unwrap().state;
-        modal::run(&system, 1, Some(&state), &mut Silent).map(|_| ())
-    };
+    let modes = |single: bool| mode_with(CoarseSprings { stiffness: 100.0, single });
     assert!(modes(false).is_ok());
     let refused = modes(true).unwrap_err().to_string();
     assert!(

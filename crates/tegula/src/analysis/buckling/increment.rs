@@ -22,6 +22,8 @@ pub(super) struct Increment {
     pub multipliers: Vec<f64>,
     /// Change of the external forces.
     pub forces: Vec<Nodal>,
+    /// Size of the right-hand side ([`System::force_norm`]) [force·length].
+    pub size: f64,
 }
 
 impl Increment {
@@ -62,6 +64,7 @@ impl Increment {
             });
         }
         refuse_circulatory_loads(system, newton, &state.u, &forces)?;
+        let size = system.force_norm(&right);
         let mut free = vec![0.0; system.unknowns()];
         newton.assembly.frames.reduce(&right, &mut free);
         newton.solver.solve(&mut free);
@@ -85,7 +88,7 @@ impl Increment {
                 help: "Check the values of loads and materials.".into(),
             });
         }
-        Ok(Self { displacements, multipliers, forces })
+        Ok(Self { displacements, multipliers, forces, size })
     }
 }
 

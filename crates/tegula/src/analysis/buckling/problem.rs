@@ -14,6 +14,10 @@ use tegula_sparse::{Factor as _, SymmetricPattern};
 /// Load factors between which the loads of the analysis grow. At the first one all loads and prescribed strains are those of the base state.
 pub(super) const TIMES: [f64; 2] = [-1.0, 1.0];
 
+/// Product `x·K_σ x` of a mode over the size of the loads and the square of that of the mode, below which it is round-off. Of a load that goes through the
+/// structure it is about the inverse of the root of the number of nodes.
+const WITHOUT_STRESS: f64 = 1e-13;
+
 /// Error of a base state in which springs are stressed that joints do not balance.
 fn out_of_balance() -> Error {
     Error::Singular {
@@ -41,6 +45,8 @@ pub(super) struct Problem<'a> {
     pub applications: u64,
     /// Weight of the augmented Lagrangian of joints.
     penalty: f64,
+    /// Size of the loads ([`Increment::size`]).
+    load_size: f64,
     /// Whether the strain energy of a small motion is ½ δs·H δs: about a stress-free reference of linear materials, without springs.
     stress_free: bool,
     values: Vec<f64>,
@@ -77,6 +83,7 @@ impl<'a> Problem<'a> {
             state,
             applications: 0,
             penalty,
+            load_size: 0.0,
             stress_free,
         })
     }
@@ -87,6 +94,7 @@ impl<'a> Problem<'a> {
     /// The loads are zero or have no potential, or the geometric stiffness is not finite.
     pub fn load(&mut self) -> Result<()> {
         let increment = Increment::of(self)?;
+        self.load_size = increment.size;
         let Self { system, newton, state, .. } = self;
         let increment = LoadIncrement {
             displacements: &increment.displacements,
@@ -155,6 +163,13 @@ impl<'a> Problem<'a> {
         let mut product = vec![0.0; x.len()];
         self.pattern.add_product(&self.stress_stiffness, x, &mut product);
         product.iter().zip(x).map(|(k, x)| k * x).sum()
+    }
+
+    /// Whether the product `x·K_σ x` of a mode, which is `shape` in all nodal vectors, is round-off of the loads: joints and supports take them without stress in
+    /// the parts that the mode moves.
+    pub fn is_without_stress(&self, x: &[f64], shape: &[Nodal]) -> bool {
+        let size = self.load_size * self.system.inner_product(shape, shape);
+        !(self.stress_product(x).abs() > WITHOUT_STRESS * size)
     }
 
     /// Round-off of `x·K x` over its value.

@@ -56,10 +56,15 @@ pub(super) fn extremes(problem: &mut Problem, wanted: usize, observer: &dyn Obse
     if larger(ends[0].abs(), ends[1].abs()) > 0.0 {
         return Ok(ends);
     }
-    Err(Error::Singular {
+    Err(without_stress())
+}
+
+/// Refusal of loads without stress.
+pub(super) fn without_stress() -> Error {
+    Error::Singular {
         what: "The loads produce no stress under which the structure could buckle.".into(),
-        help: "Check that the loads act on parts that supports do not hold.".into(),
-    })
+        help: "Check that the loads act on parts that supports and joints do not hold.".into(),
+    }
 }
 
 fn block(wanted: usize) -> usize {

@@ -29,7 +29,7 @@ pub(super) fn pass_jumps(
     scheme: Scheme,
     state: &mut State,
 ) -> Result<f64> {
-    let carries_accelerations = !scheme.conserves_energy() && !scheme.is_kinematic();
+    let carries_accelerations = scheme.carries_accelerations();
     let mut supplied = 0.0;
     if system.has_kink(state.time) {
         supplied = pass_kink(system, newton, scheme.instant(system) == Instant::Middle, state)?;

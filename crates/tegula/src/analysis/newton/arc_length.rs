@@ -515,7 +515,7 @@ fn differences(system: &System, load: f64) -> &'static [(f64, f64)] {
     let inside = |load: f64| (0.0..=1.0).contains(&load);
     let kinks = |first: f64, last: f64| {
         let [first, last] = [first, last].map(|steps| load + steps * LOAD_DIFFERENCE);
-        system.amplitudes.iter().any(|amplitude| amplitude.has_kink_between(first, last))
+        system.amplitudes.iter().any(|amplitude| amplitude.has_point_between(first, last))
     };
     match [inside(load - LOAD_DIFFERENCE), inside(load + LOAD_DIFFERENCE)] {
         [false, true] => FORWARD,

@@ -114,7 +114,7 @@ impl<'a, S: TangentSolver> LoadSteps<'a, S> {
             },
             default_form: newton.method(),
             largest,
-            stops: Stops::of(system, 1.0),
+            stops: Stops::of(system, 1.0, Vec::new()),
             limit: f64::INFINITY,
             smallest_part: 0.5_f64.powi(cutbacks.min(MOST_CUTBACKS)),
             equation: StaticEquation {
