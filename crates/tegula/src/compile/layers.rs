@@ -203,6 +203,31 @@ mod tests {
         assert!(told.contains("lean by up to 14.0°"), "{told}");
     }
 
+    /// Domes of which each is a square drawn out to a disc: at its corners the edges of the elements lie along the rim.
+    #[test]
+    fn radial_edges_of_domes_are_taken() {
+        for (elements, opening) in [(4, 30.0), (4, 60.0), (8, 40.0), (16, 60.0)] {
+            let square = PLATE
+                .replace("[4.0, 1.0]", "[2.0, 2.0]")
+                .replace("[4, 2]", &format!("[{elements}, {elements}]"));
+            let mut mesh = layer(&square, |_| Vec3::z());
+            let on_sphere = |x: &Vec3| {
+                let (u, v) = (x.x - 1.0, x.y - 1.0);
+                let disc = [u * (1.0 - 0.5 * v * v).sqrt(), v * (1.0 - 0.5 * u * u).sqrt()];
+                let radius = disc[0].hypot(disc[1]);
+                let angle = opening * radius / 180.0 * std::f64::consts::PI;
+                let around = if radius > 0.0 { angle.sin() / radius } else { 0.0 };
+                Vec3::new(disc[0] * around, disc[1] * around, angle.cos())
+            };
+            mesh.positions = mesh.positions.iter().map(on_sphere).collect();
+            let radial = mesh.quads.iter().map(|quad| quad.map(|n| mesh.positions[n as usize]));
+            mesh.normals = Some(radial.collect());
+            assert_eq!(refused(&mesh), None, "{elements} elements, {opening}°");
+            mesh.normals = Some(vec![[Vec3::z(); 4]; mesh.quads.len()]);
+            assert!(refused(&mesh).is_some(), "{elements} elements, {opening}°");
+        }
+    }
+
     /// A cone whose edges are radial instead of normal.
     #[test]
     fn radial_edges_of_a_cone_are_refused() {

@@ -13,11 +13,12 @@ use crate::norm::larger;
 
 /// Angle of an edge to the normal (degrees) that is refused, beside a part of the angle by which a curved surface turns there: 0.4 % of the bending stiffness.
 const OBLIQUE: f64 = 3.0;
-/// Part of the largest angle between a facet and the normal that may be an error of the normal at nodes inside of the surface.
-const OF_TURN_INSIDE: f64 = 0.25;
-/// Part of the largest angle between neighbouring facets that may lie between a facet and the normal at a rim, which leans away from the facets beside; it is
-/// half of it for facets of equal size.
+/// Part of the turn of the facets around, in the direction against the lean, that may be an error of the normal inside the surface.
+const OF_TURN_INSIDE: f64 = 0.5;
+/// Part of it that may lie between a facet and the normal at a rim, which leans away from the facets beside: half of it for facets of equal size.
 const OF_TURN_AT_RIM: f64 = 0.75;
+/// Sine of the angle of a corner below which its edges do not tell the normal there: they lie along a rim.
+const FLAT: f64 = 0.5;
 /// Angle between neighbouring facets (degrees) from which on they are sheets that meet at an edge, and no curved surface: the edges through the thickness are the
 /// directors, and one director for both sheets leaves an error of 2 % of the flexibility at this angle where each sheet has one element.
 pub(crate) const FOLD: f64 = 30.0;
@@ -56,7 +57,7 @@ impl<'a> MiddleSurface<'a> {
                 inside.get_mut(node as usize).into_iter().for_each(|inside| *inside = false);
             }
         }
-        Some(Self { mesh, through, thicknesses, edges, normals: mesh.facet_normals(), around, inside })
+        Some(Self { mesh, through, thicknesses, edges, normals: normals(mesh), around, inside })
     }
 
     /// Largest angle (degrees) between facets of a section and their neighbours, from [`FOLD`] on, and the nodes of the edge.
@@ -84,26 +85,22 @@ impl<'a> MiddleSurface<'a> {
             Some(self.normals[q][corner] / area)
         };
         let mean = around.iter().filter_map(weighted).sum::<Vec3>().try_normalize(0.0)?;
-        let lean = angle_between(edge, &mean).to_degrees();
-        let explained = if self.inside[node as usize] {
-            let turn = around
-                .iter()
-                .map(|&(q, corner)| angle_between(&self.normals[q][corner], &mean).to_degrees())
-                .fold(0.0, larger);
-            lean <= OBLIQUE + OF_TURN_INSIDE * turn
-        } else {
-            self.rim_explains(around, &mean, edge)
-        };
-        (!explained).then_some(lean)
+        let explained = self.curvature_explains(node, (around, &mean), edge);
+        (!explained).then(|| angle_between(edge, &mean).to_degrees())
     }
 
-    /// Whether the turn of the surface beside a node at its rim explains the lean of an edge from the mean normal: the lean along the largest turn and across it,
-    /// each against the turn of the facets beside, lies in the ellipse of what the turns in both directions allow.
-    fn rim_explains(&self, around: &[(usize, usize)], mean: &Vec3, edge: &Vec3) -> bool {
-        let nodes = around.iter().flat_map(|&(q, _)| self.mesh.quads[q]);
-        let beside = nodes.filter_map(|node| self.around.get(node as usize)).flatten();
+    /// Whether the turn of the surface around a node explains the lean of an edge from the mean normal: the lean along the largest turn and across it, each
+    /// against the turn of facets there, lies in the ellipse of what these turns allow. At a rim these are the facets beside, too.
+    fn curvature_explains(&self, node: u32, (around, mean): (&[(usize, usize)], &Vec3), edge: &Vec3) -> bool {
         let across_mean = |v: &Vec3| v - mean * v.dot(mean);
-        let turns: Vec<Vec3> = beside.map(|&(q, corner)| across_mean(&self.normals[q][corner])).collect();
+        let turn = |&(q, corner): &(usize, usize)| across_mean(&self.normals[q][corner]);
+        let (turns, part_of_turn): (Vec<Vec3>, f64) = if self.inside[node as usize] {
+            (around.iter().map(turn).collect(), OF_TURN_INSIDE)
+        } else {
+            let nodes = around.iter().flat_map(|&(q, _)| self.mesh.quads[q]);
+            let beside = nodes.filter_map(|node| self.around.get(node as usize)).flatten();
+            (beside.map(turn).collect(), OF_TURN_AT_RIM)
+        };
         let lean = across_mean(edge);
         let smallest = OBLIQUE.to_radians().sin();
         let largest = turns.iter().max_by(|a, b| a.norm().total_cmp(&b.norm()));
@@ -113,8 +110,24 @@ impl<'a> MiddleSurface<'a> {
         let part = |direction: &Vec3| {
             let against = -lean.dot(direction).signum();
             let turn = turns.iter().map(|turn| against * turn.dot(direction)).fold(0.0, larger);
-            (lean.dot(direction) / (smallest + OF_TURN_AT_RIM * turn)).powi(2)
+            (lean.dot(direction) / (smallest + part_of_turn * turn)).powi(2)
         };
         part(&along) + part(&mean.cross(&along)) <= 1.0
     }
+}
+
+/// Unit normals of the facets at their corners; that of the whole facet where the edges of a corner are nearly parallel, as at the corners of a square that is
+/// drawn out to a disc.
+fn normals(mesh: &Mesh) -> Vec<[Vec3; 4]> {
+    let mut normals = mesh.facet_normals();
+    for (normals, quad) in normals.iter_mut().zip(&mesh.quads) {
+        let Some(facet) = Facet::of(mesh, quad) else { continue };
+        let Some(whole) = facet.area_vector().try_normalize(0.0) else { continue };
+        for (corner, normal) in normals.iter_mut().enumerate() {
+            if facet.corner_angle(corner).sin() < FLAT {
+                *normal = whole;
+            }
+        }
+    }
+    normals
 }
