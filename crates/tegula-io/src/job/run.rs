@@ -139,7 +139,10 @@ fn analyse(
         Analysis::Path(_) => Some(path::first_state(system)),
         Analysis::Transient(_) | Analysis::Modal(_) | Analysis::Buckling(_) => None,
     };
-    if let Some(first) = first.filter(|_| state.is_none()) {
+    if let Some(mut first) = first.filter(|_| state.is_none()) {
+        if first.path.is_some() {
+            first.negative_pivots = path::negative_eigenvalues(system, &first)?;
+        }
         recorder.record_start(&first, &statics::first_energies(system, &first), start.end)?;
     }
     match &deck.model.analysis {

@@ -175,7 +175,8 @@ pub(super) fn add_velocities(
 }
 
 /// Size of a model with bodies (length): largest side of the box about nodes, mass centres and joints, or for a single
-/// body its radius of gyration.
+/// body its radius of gyration. For a single point mass it is the shortest of its springs, whose direction changes most with
+/// its motion; without springs the equations have no length, and it is 1.
 pub(super) fn extent(model: &Model, mesh: &Mesh, coordinates: &Coordinates) -> f64 {
     if model.bodies.is_empty() && model.joints.is_empty() {
         return mesh.extent();
@@ -191,7 +192,14 @@ pub(super) fn extent(model: &Model, mesh: &Mesh, coordinates: &Coordinates) -> f
             [a.inf(&x), b.sup(&x)]
         });
     let largest = coordinates.bodies.iter().map(Body::gyration).fold((high - low).max(), larger);
-    if largest > 0.0 { largest } else { 1.0 }
+    if largest > 0.0 {
+        return largest;
+    }
+    let springs = model.springs.iter().map(|spring| {
+        let [a, b] = spring.points.map(Vec3::from);
+        (b - a).norm()
+    });
+    springs.filter(|length| *length > 0.0).min_by(f64::total_cmp).unwrap_or(1.0)
 }
 
 /// Both sides of the joint with this number, and the carrier of gears; `None` where one does not exist.

@@ -95,6 +95,14 @@ impl TimeFunction {
         }
     }
 
+    /// Second derivative just before a time: at the end of a spline it differs from that behind it.
+    pub fn acceleration_before(&self, t: f64) -> f64 {
+        match self {
+            Self::Spline(spline) => spline.acceleration_before(t),
+            Self::Constant(_) | Self::Table(_) | Self::Formula(_) | Self::Signal(_) => self.acceleration(t),
+        }
+    }
+
     /// Whether a point of a table lies in an interval of time, its ends included: the slope may jump there.
     pub fn has_point_between(&self, first: f64, last: f64) -> bool {
         match self {

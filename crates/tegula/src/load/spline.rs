@@ -48,6 +48,20 @@ impl Spline {
         })
     }
 
+    /// Second derivative just before a time: at either end that of the other side.
+    pub fn acceleration_before(&self, t: f64) -> f64 {
+        let last = self.points.len() - 1;
+        if t == self.points[0].0 {
+            return 0.0;
+        }
+        if t == self.points[last].0 {
+            let ((t0, y0, r0), (t1, y1, r1)) = (self.points[last - 1], self.points[last]);
+            let h = t1 - t0;
+            return (2.0 * r0 + 4.0 * r1 - 6.0 * (y1 - y0) / h) / h;
+        }
+        self.at(t)[2]
+    }
+
     /// Value at a time with its first and second derivative.
     pub fn at(&self, t: f64) -> [f64; 3] {
         let (first, last) = (self.points[0], self.points[self.points.len() - 1]);

@@ -12,11 +12,16 @@ const QUARTER_TURN: f64 = std::f64::consts::FRAC_PI_2 * (1.0 + 1e-9);
 const LOOKS: u32 = 8;
 
 impl System {
-    /// Value of the drive of a joint at a time with its rates just before it: at a kink of a table they differ from those behind it.
+    /// Value of the drive of a joint at a time with its rates just before it: at a kink of a table and at the end of a spline they differ
+    /// from those behind it.
     pub fn drive_before(&self, joint: &Joint, time: f64) -> DriveValue {
-        let rate = |drive: Drive| Some(drive.value * self.amplitudes.get(drive.amplitude)?.rate_before(time));
         let value = self.drive(joint, time);
-        joint.drive.map_or(value, |drive| DriveValue { rate: rate(drive).unwrap_or(f64::NAN), ..value })
+        let before = |drive: Drive| {
+            let amplitude = self.amplitudes.get(drive.amplitude)?;
+            let [rate, acceleration] = [amplitude.rate_before(time), amplitude.acceleration_before(time)];
+            Some(DriveValue { rate: drive.value * rate, acceleration: drive.value * acceleration, ..value })
+        };
+        joint.drive.and_then(before).unwrap_or(value)
     }
 
     /// Work that the drives of joints do on the model between the displacements `old` and `new`: that of the constraint forces

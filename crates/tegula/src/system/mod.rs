@@ -516,6 +516,14 @@ impl System {
         self.write_prescribed(a, acceleration);
     }
 
+    /// Writes prescribed accelerations just before a time: at the end of a spline they differ from those behind it.
+    pub fn prescribe_acceleration_before(&self, time: f64, a: &mut [Nodal]) {
+        let acceleration = |p: &Prescribed| {
+            p.amplitude.map_or(0.0, |a| p.value * self.amplitudes[a].acceleration_before(time))
+        };
+        self.write_prescribed(a, acceleration);
+    }
+
     fn write_prescribed(&self, field: &mut [Nodal], f: impl Fn(&Prescribed) -> f64) {
         for prescribed in &self.dofs().prescribed {
             let (v, c) = prescribed.place();

@@ -1,6 +1,6 @@
 //! Driven joints: motion, reactions and work of the drives, contradictions.
 
-use crate::common::Notes;
+use crate::common::{Notes, driven_edge, move_in_time, plate};
 use crate::multibody::{between, body, gravity, machine, pose, run};
 use tegula::analysis::{Silent, dynamics, statics};
 use tegula::model::*;
@@ -344,7 +344,7 @@ fn a_damper_takes_the_jump_of_the_rate_of_a_drive() {
     }
 }
 
-/// A body that a spline turns by 1 rad and then holds stands still without acceleration: that of the end of the spline, 6 rad/s², does not alternate on.
+/// A body that a spline turns by 1° and then holds stands still without acceleration: that of the end of the spline, 6°/s², does not alternate on.
 #[test]
 fn accelerations_behind_a_spline_are_those_of_rest() {
     let generalized = |spectral_radius| Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius });
@@ -360,5 +360,102 @@ fn accelerations_behind_a_spline_are_those_of_rest() {
             let size = max_norm(field.as_flattened().iter().copied());
             assert!(size < 1e-6, "{scheme:?}: {what} {size}");
         }
+    }
+}
+
+/// Time function of a motion from rest that ends with the rate −1.5 and an acceleration, and goes on straight.
+fn leaving_straight() -> Amplitude {
+    let (times, values) = (vec![0.1, 0.3, 0.6], vec![0.0, 0.4, 0.5]);
+    Amplitude::Spline(SplineAmplitude { times, values, rates: [0.0, -1.5] })
+}
+
+/// The work of a drive is the kinetic energy, also where a spline begins and ends with an acceleration: the reaction before its end belongs to the step that
+/// ends there, the one behind to the next. Of second order in the step.
+#[test]
+fn the_work_of_a_drive_along_a_spline_is_the_kinetic_energy() {
+    let generalized = |spectral_radius| Scheme::GeneralizedAlpha(GeneralizedAlphaScheme { spectral_radius });
+    let schemes = [
+        (Scheme::Kinematic(KinematicScheme {}), 3.5),
+        (generalized(1.0), 3.5),
+        (generalized(0.8), 3.5),
+        (Scheme::Bdf2(Bdf2Scheme {}), 2.5),
+        (Scheme::Explicit(ExplicitScheme::default()), 3.5),
+    ];
+    for (scheme, order) in schemes {
+        let drift = |step: f64| {
+            let arm = body("arm", [0.5, 0.0, 0.0], 1.0, Some([0.1; 3]));
+            let mut m = machine(0.8, step, vec![arm], driven_hinge("arm", [0.0; 3], [0.0, 0.0, 1.0]));
+            m.amplitudes.insert("angle".into(), leaving_straight());
+            let Analysis::Transient(options) = &mut m.analysis else { panic!("no transient analysis") };
+            options.scheme = scheme;
+            let mut notes = Notes::default();
+            run(&m, &mut notes);
+            let moved = 0.5 * 0.35 * 1.5_f64.to_radians().powi(2);
+            assert!((0.9 * moved..4.0 * moved).contains(&notes.kinetic), "{scheme:?}: {}", notes.kinetic);
+            assert!(notes.warnings.is_empty(), "{scheme:?}: {:?}", notes.warnings);
+            notes.drift() / notes.kinetic
+        };
+        let [coarse, fine] = [0.01, 0.005].map(drift);
+        assert!(coarse < 1e-2 && coarse > order * fine, "{scheme:?}: {coarse} {fine}");
+    }
+}
+
+/// Supports that move all nodes of a plate along a spline do work alike: 11 % where the reaction behind the end of the spline belonged to the step before it.
+#[test]
+fn the_work_of_supports_along_a_spline_is_the_kinetic_energy() {
+    let schemes = [
+        (Scheme::Newmark(NewmarkScheme::default()), Some(0.01)),
+        (Scheme::Hht(HhtScheme::default()), Some(0.01)),
+        (Scheme::GeneralizedAlpha(GeneralizedAlphaScheme::default()), Some(0.01)),
+        (Scheme::Bdf2(Bdf2Scheme {}), Some(0.01)),
+        (Scheme::EnergyMomentum(EnergyMomentumScheme { order: 2 }), Some(0.01)),
+        (Scheme::Newmark(NewmarkScheme::default()), None),
+        (Scheme::Explicit(ExplicitScheme::default()), None),
+    ];
+    for (scheme, time_step) in schemes {
+        let options = TransientAnalysis { scheme, time_step, ..TransientAnalysis::new(0.8) };
+        let mut m = Model::new(
+            plate([1.0, 0.2], [4, 1], 0.0),
+            Analysis::Transient(options.clone()),
+            Isotropic::new(2e7, 0.3, 1000.0),
+            0.01,
+        );
+        m.conditions = driven_edge("all", 0.7, "lift");
+        let Condition::Fix(held) = &mut m.conditions[0] else { panic!("no support") };
+        held.director.clear();
+        let directors = FixComponents {
+            on: "u_min".into(),
+            position: Vec::new(),
+            director: vec![Axis::X, Axis::Y, Axis::Z],
+        };
+        m.conditions.push(Condition::Fix(directors));
+        m.amplitudes.insert("lift".into(), leaving_straight());
+        let mut notes = Notes::default();
+        move_in_time(&m, &options, &mut notes);
+        assert!(notes.warnings.is_empty(), "{scheme:?}: {:?}", notes.warnings);
+        let moved = (0.7 * 1.5_f64).powi(2);
+        assert!(notes.kinetic > 0.99 * moved, "{scheme:?}: {}", notes.kinetic);
+        let drift = notes.drift() / notes.kinetic;
+        assert!(drift < 5e-3, "{scheme:?} {time_step:?}: {drift}");
+    }
+}
+
+/// Masses that joints couple to a driven one accelerate by its drive: their reactions behind a kink of its motion are those of the
+/// velocities there. A bar that turns at 2°/s, and at 1°/s from 0.5 on, pulls its hinge by m r ω².
+#[test]
+fn reactions_behind_a_kink_are_those_of_the_velocities_there() {
+    for scheme in [Scheme::Explicit(ExplicitScheme::default()), Scheme::Kinematic(KinematicScheme {})] {
+        let arm = body("arm", [0.5, 0.0, 0.0], 2.0, Some([0.1; 3]));
+        let mut m = machine(0.6, 0.01, vec![arm], driven_hinge("arm", [0.0; 3], [0.0, 0.0, 1.0]));
+        let table = TableAmplitude { times: vec![0.0, 0.5, 1.0], values: vec![0.0, 1.0, 1.5] };
+        m.amplitudes.insert("angle".into(), Amplitude::Table(table));
+        let Analysis::Transient(options) = &mut m.analysis else { panic!("no transient analysis") };
+        options.scheme = scheme;
+        let mut notes = Notes::keeping();
+        let (system, _) = run(&m, &mut notes);
+        let at_kink = notes.states.iter().find(|state| (state.time - 0.5).abs() < 1e-12).unwrap();
+        let (force, _) = joint_reaction(&system, at_kink, &system.joints[0]);
+        let exact = 1_f64.to_radians().powi(2);
+        assert!((force.norm() - exact).abs() < 1e-9 * exact, "{scheme:?}: {force}");
     }
 }

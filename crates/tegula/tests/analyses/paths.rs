@@ -2,6 +2,7 @@
 
 use crate::arches::{arch, critical_loads};
 use crate::common::{Notes, compile, displacement, hinged_roof, model, on, plate, vector_load};
+use crate::multibody::spring;
 use tegula::analysis::path::{self, CriticalKind, CriticalPoint, PathOutcome};
 use tegula::analysis::{Observer, State, Step, statics};
 use tegula::mesh::Mesh;
@@ -380,5 +381,46 @@ fn paths_end_at_their_load_factor() {
         assert_eq!(outcome.state.time, end_load);
         assert!(points.iter().all(|point| point[1].abs() <= end_load.abs()), "{end_load}");
         assert!(critical(&outcome).is_empty() && points.last().unwrap()[0].abs() < 11.0);
+    }
+}
+
+/// The path of a truss of two bars that carry a point mass, with long springs across its plane, does not depend on the unit of length: critical points at
+/// the same load factors, once each. The limit point is that of the force 2 k (L₀/L − 1) z of the bars.
+#[test]
+fn paths_of_a_point_mass_do_not_depend_on_units() {
+    let limit = {
+        let force = |z: f64| 600.0 * (10_f64.sqrt() / (1.0 + z * z).sqrt() - 1.0) * z;
+        let height = (10_f64.powf(1.0 / 3.0) - 1.0).sqrt();
+        force(height)
+    };
+    let follow = |unit: f64, method: PathMethod| {
+        let options = PathAnalysis { end_load: 1.3, method: Some(method), ..Default::default() };
+        let top = [0.0, 0.0, 3.0 * unit];
+        let apex = RigidBody::new("apex", top, 1.0, None);
+        let mut m = Model::of_bodies(Analysis::Path(options.clone()), vec![apex], Vec::new());
+        let to_top = |name: &str, foot, stiffness| spring(name, ["ground", "apex"], [foot, top], stiffness);
+        m.springs = vec![
+            to_top("left", [-unit, 0.0, 0.0], 300.0),
+            to_top("right", [unit, 0.0, 0.0], 300.0),
+            to_top("front", [0.0, -1e3 * unit, 3.0 * unit], 3000.0),
+            to_top("back", [0.0, 1e3 * unit, 3.0 * unit], 3000.0),
+        ];
+        m.loads = vec![Load::Force(vector_load("apex", [0.0, 0.0, -limit * unit]))];
+        let (_, system) = compile(&m);
+        let outcome = path::run(&system, &options, None, &mut Notes::default()).unwrap();
+        (critical(&outcome), outcome.statistics)
+    };
+    for method in [PathMethod::Series, PathMethod::ArcLength] {
+        let (points, statistics) = follow(1.0, method);
+        let first = points.iter().find(|p| p.kind == CriticalKind::Limit).unwrap();
+        assert!((first.load - 1.0).abs() < 1e-4, "{method:?}: {}", first.load);
+        for unit in [1e-6, 1e5] {
+            let (other, counted) = follow(unit, method);
+            assert_eq!(counted, statistics, "{method:?} {unit}");
+            assert_eq!(other.len(), points.len(), "{method:?} {unit}");
+            for (a, b) in points.iter().zip(&other) {
+                assert!(a.kind == b.kind && (a.load - b.load).abs() < 1e-8, "{method:?} {unit}: {a:?} {b:?}");
+            }
+        }
     }
 }

@@ -357,3 +357,64 @@ fn steps_that_release_and_lock_joints_are_resumed_to_the_bit() {
         }
     }
 }
+
+/// A column that a static step has taken to 1.5 times its Euler load, straight and unstable, and a path that takes the load back: the number of negative
+/// eigenvalues of its first row is that of the state from which it starts.
+#[test]
+fn the_first_row_of_a_path_tells_how_unstable_its_start_is() {
+    let text = r#"
+    [materials.m]
+    type = "isotropic"
+    young = 1e9
+    poisson = 0.0
+    density = 1.0
+    [[beams]]
+    name = "column"
+    points = [[0, 0, 0], [1, 0, 0]]
+    elements = 16
+    direction = [0, 0, 1]
+    section = { type = "rectangle", size = [0.01, 0.02] }
+    material = "m"
+    [[bodies]]
+    name = "slider"
+    at = [1, 0, 0]
+    mass = 1.0
+    inertia = [1, 1, 1]
+    [[joints]]
+    type = "revolute"
+    name = "foot"
+    between = ["ground", "column.start"]
+    at = [0, 0, 0]
+    axis = [0, 1, 0]
+    [[joints]]
+    type = "revolute"
+    name = "head"
+    between = ["slider", "column.end"]
+    at = [1, 0, 0]
+    axis = [0, 1, 0]
+    [[joints]]
+    type = "prismatic"
+    name = "guide"
+    between = ["ground", "slider"]
+    at = [1, 0, 0]
+    axis = [1, 0, 0]
+    [output]
+    pictures = false
+    [[steps]]
+    name = "up"
+    analysis = { type = "static", allow_unstable = true }
+    loads = [{ type = "force", on = "slider", value = [-24.67, 0, 0] }]
+    [[steps]]
+    name = "down"
+    analysis = { type = "path" }
+    loads = [{ type = "force", on = "slider", value = [-8.22, 0, 0] }]
+    "#;
+    let folder = tempfile::tempdir().unwrap();
+    let deck = Deck::parse("column.toml", text).unwrap();
+    run(&deck, &options(folder.path(), false), &mut Unwatched).unwrap();
+    let (names, rows) = crate::out::csv::read(&folder.path().join("2-down/history.csv")).unwrap();
+    let place = names.iter().position(|name| name == "path.negative_eigenvalues").unwrap();
+    let negative: Vec<f64> = rows.iter().map(|row| row[place]).collect();
+    assert!(negative.len() > 3 && negative[0] == 1.0 && negative[1] == 1.0, "{negative:?}");
+    assert_eq!(negative.last(), Some(&0.0), "{negative:?}");
+}

@@ -106,7 +106,7 @@ impl Bdf2 {
         }
         // Prescribed motions are known exactly, with their rates.
         system.prescribe_velocity_before(newmark.time, &mut newmark.v);
-        system.prescribe_acceleration(newmark.time, &mut newmark.a);
+        system.prescribe_acceleration_before(newmark.time, &mut newmark.a);
     }
 }
 

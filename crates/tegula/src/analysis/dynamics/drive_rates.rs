@@ -21,10 +21,17 @@ const FIRST_STEPS: u64 = 20;
 /// Number of times from the start of an analysis step to where it is resumed, at which the rates of drives are looked at.
 const LOOKS: u32 = 100;
 
+/// Part of a step before its end at which rates that jump there are taken.
+const BEFORE: f64 = 1e-9;
+
 /// Time at the end of a step of this length at which the rates of drives are taken: before a kink the rate of the piece that ends there.
 pub(super) fn time_of_rates(system: &System, time: f64, dt: f64) -> f64 {
-    const BEFORE: f64 = 1e-9;
     if system.has_kink(time) { time - BEFORE * dt } else { time }
+}
+
+/// Time at the end of a step of this length at which the rates and accelerations of drives are taken: also before the end of a spline.
+pub(super) fn time_of_accelerations(system: &System, time: f64, dt: f64) -> f64 {
+    if system.has_jump_of_acceleration(time) { time - BEFORE * dt } else { time_of_rates(system, time, dt) }
 }
 
 /// Watches the velocities of driven joints.

@@ -165,7 +165,8 @@ impl<'a> Explicit<'a> {
         self.assembly.forces(system, &k, &mut self.forces);
         self.find_loads(state, true);
         self.kick(state, dt);
-        self.close_rates(state, dt);
+        self.close_rates(state);
+        state.work += self.work_of_drives(state, dt);
         let before = self.inertia;
         self.inertia = self.free_inertia(&state.a);
         if !self.inertia.is_finite() {
@@ -181,7 +182,33 @@ impl<'a> Explicit<'a> {
             self.find_reactions(state);
         }
         self.account(state, dt);
+        if system.has_kink(end) || system.has_jump_of_acceleration(end) {
+            self.pass_jumps(state);
+        }
         Ok(())
+    }
+
+    /// Passes a jump of the velocity or the acceleration of a prescribed motion or a drive at the end of a step. What a jump of velocities
+    /// changes the kinetic energy by is work of the supports and drives. Lumped masses are not coupled: without joints only prescribed rates
+    /// jump.
+    fn pass_jumps(&mut self, state: &mut State) {
+        let system = self.system;
+        if system.has_kink(state.time) {
+            let before = system.kinetic_energy(&state.v);
+            system.prescribe_velocity(state.time, &mut state.v);
+            self.constrain_velocities(state, Side::Behind);
+            state.work += system.kinetic_energy(&state.v) - before;
+        }
+        if let Some(joints) = &mut self.joints {
+            joints.release_accelerations(system, &self.bodies, state);
+        }
+        system.prescribe_acceleration(state.time, &mut state.a);
+        self.constrain_accelerations(state, Side::Behind);
+        self.inertia = self.free_inertia(&state.a);
+        if !self.reactions.is_empty() {
+            self.find_forces(state);
+            self.find_reactions(state);
+        }
     }
 
     /// Positions at the end of a step, from the velocities at its middle.
@@ -224,37 +251,30 @@ impl<'a> Explicit<'a> {
         Ok(())
     }
 
-    /// Rates at the end of a step that supports and joints allow. At a kink of a prescribed motion or a drive velocities jump; what this
-    /// changes the kinetic energy by is work of the supports and drives.
-    fn close_rates(&mut self, state: &mut State, dt: f64) {
+    /// Rates at the end of a step that supports and joints allow, before a jump that lies there.
+    fn close_rates(&mut self, state: &mut State) {
         let (system, end) = (self.system, state.time);
         if !self.reactions.is_empty() {
             system.prescribe_velocity_before(end, &mut state.v);
-            system.prescribe_acceleration(end, &mut state.a);
+            system.prescribe_acceleration_before(end, &mut state.a);
         }
         if let Some(joints) = &mut self.joints {
             joints.take(system, &self.bodies, (&state.u, end));
         }
-        if !system.has_kink(end) {
-            self.constrain(state, Side::Behind);
-            state.work += self.work_of_drives(state, dt);
-            return;
-        }
-        // Lumped masses are not coupled: without joints an impact changes prescribed velocities only.
-        self.constrain(state, Side::Before);
-        state.work += self.work_of_drives(state, dt);
-        let before = system.kinetic_energy(&state.v);
-        system.prescribe_velocity(end, &mut state.v);
-        self.constrain(state, Side::Behind);
-        state.work += system.kinetic_energy(&state.v) - before;
+        self.constrain_velocities(state, Side::Before);
+        self.constrain_accelerations(state, Side::Before);
     }
 
-    /// Changes velocities and accelerations of a state to those that the joints allow, and finds its multipliers.
-    fn constrain(&mut self, state: &mut State, side: Side) {
-        let (system, bodies) = (self.system, &self.bodies);
+    /// Changes velocities of a state to those that the joints allow.
+    fn constrain_velocities(&mut self, state: &mut State, side: Side) {
         if let Some(joints) = &mut self.joints {
-            joints.project_velocities(system, bodies, state, side);
+            joints.project_velocities(self.system, &self.bodies, state, side);
         }
+    }
+
+    /// Changes accelerations of a state to those that the joints allow, and finds its multipliers.
+    fn constrain_accelerations(&mut self, state: &mut State, side: Side) {
+        let (system, bodies) = (self.system, &self.bodies);
         // Those of bodies depend on the velocities that the joints allow.
         bodies.write_accelerations(system, system.mass_damping, &state.v, &mut state.a);
         if let Some(joints) = &mut self.joints {

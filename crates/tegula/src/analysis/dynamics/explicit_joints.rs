@@ -247,6 +247,14 @@ impl Projection {
         self.clear();
     }
 
+    /// Takes the constraint forces of a state out of its accelerations.
+    pub fn release_accelerations(&mut self, system: &System, bodies: &Bodies, state: &mut State) {
+        self.change.iter_mut().zip(&state.multipliers).for_each(|(change, multiplier)| *change = -multiplier);
+        self.spread();
+        self.add(system, bodies, 1.0, &mut state.a);
+        self.clear();
+    }
+
     /// Rates of the constraints at displacements `u`, in place of the right side.
     pub fn rates(&mut self, system: &System, (u, time): (&[Nodal], f64), rates: Rates, side: Side) -> &[f64] {
         let motion = Motion::State { u, velocity: None };

@@ -104,7 +104,7 @@ impl GeneralizedAlpha {
         {
             *new = std::array::from_fn(|i| ((1.0 - m) * a[i] + m * a_old[i] - f * old[i]) / (1.0 - f));
         }
-        system.prescribe_acceleration(self.newmark.time, &mut self.acceleration);
+        system.prescribe_acceleration_before(self.newmark.time, &mut self.acceleration);
     }
 }
 

@@ -7,7 +7,6 @@
 //!
 //! Strain-rate damping changes its forces with the velocities at once, and accelerations follow: `M_ff Δa_f = −Δf`.
 
-use super::schemes::Instant;
 use super::{constrained_start, project_rates};
 use crate::analysis::newton::Newton;
 use crate::analysis::{State, equilibrium};
@@ -17,9 +16,9 @@ use crate::model::Scheme;
 use crate::system::{EvaluationPoint, System};
 use tegula_sparse::Factor;
 
-/// Passes a jump of the velocity or the acceleration of a prescribed motion or a drive at the end of a step. Schemes that carry accelerations from step
-/// to step start anew behind it: an acceleration of the other side would alternate about the right one from then on. Returns the kinetic energy that an
-/// impact supplies.
+/// Passes a jump of the velocity or the acceleration of a prescribed motion or a drive at the end of a step, which belongs to the motion before it.
+/// Schemes with accelerations of instants start anew behind it: one of the other side would alternate about the right one from then on, and reactions
+/// of the other side would do work in the next step. Returns the kinetic energy that an impact supplies.
 ///
 /// # Errors
 /// The mass matrix is singular.
@@ -29,19 +28,26 @@ pub(super) fn pass_jumps(
     scheme: Scheme,
     state: &mut State,
 ) -> Result<f64> {
-    let carries_accelerations = scheme.carries_accelerations();
+    let (kink, mean) = (system.has_kink(state.time), scheme.conserves_energy());
+    let jump = !mean && system.has_jump_of_acceleration(state.time);
     let mut supplied = 0.0;
-    if system.has_kink(state.time) {
-        supplied = pass_kink(system, newton, scheme.instant(system) == Instant::Middle, state)?;
-    } else if carries_accelerations && system.has_jump_of_acceleration(state.time) {
+    if kink {
+        supplied = pass_kink(system, newton, mean, state)?;
+    } else if jump {
         take_mass(system, newton, state)?;
-    } else {
-        return Ok(0.0);
     }
-    if carries_accelerations {
+    if jump && is_unconstrained(system, newton) {
+        share_jump_of_acceleration(system, newton, state);
+    }
+    if !mean && (kink || jump) {
         start_anew(system, newton, state);
     }
     Ok(supplied)
+}
+
+/// Whether no constraint of joints and bodies ties accelerations to velocities.
+fn is_unconstrained(system: &System, newton: &Newton) -> bool {
+    newton.constraints.is_none() && system.dofs().triads.is_empty()
 }
 
 /// Updates velocities, and with them accelerations, from those before a kink of a prescribed motion to those behind it.
@@ -83,13 +89,13 @@ fn change_accelerations(system: &System, newton: &mut Newton, old: &[Nodal], sta
     project_rates(system, &state.u, &mut state.v, &mut state.a);
 }
 
-/// Starts a scheme anew behind a kink, from the velocities there, which [`pass_kink`] has found, and the accelerations and multipliers that
-/// belong to them. Without joints and bodies accelerations do not depend on velocities but through damping.
+/// Starts a scheme anew behind a jump, from the velocities there, which [`pass_kink`] has found, and the accelerations and multipliers that
+/// belong to them. Without joints and bodies accelerations do not depend on velocities but through damping, and are there already.
 pub(super) fn start_anew(system: &System, newton: &mut Newton, state: &mut State) {
     state.mean_rates.iter_mut().for_each(Vec::clear);
     state.scheme_v.clear();
     state.scheme_loads.clear();
-    if newton.constraints.is_none() && system.dofs().triads.is_empty() {
+    if is_unconstrained(system, newton) {
         return;
     }
     state.acceleration_lag.clear();
@@ -188,16 +194,41 @@ pub(super) fn factor_mass(system: &System, newton: &mut Newton, state: &State) -
 /// Adds `−M_ff⁻¹ M_fs Δv_s` to the free velocities, with the factor of the mass matrix. Δv_s is the change from the
 /// `old` velocities along prescribed degrees of freedom.
 pub(super) fn share_jump(system: &System, newton: &mut Newton, old: &[Nodal], state: &mut State) {
-    let mut jump = old.to_vec();
-    system.prescribe_velocity(state.time, &mut jump);
-    for (new, old) in jump.as_flattened_mut().iter_mut().zip(old.as_flattened()) {
-        *new -= old;
+    let mut new = old.to_vec();
+    system.prescribe_velocity(state.time, &mut new);
+    if add_coupled_response(system, newton, [old, &new], &mut state.v) {
+        project_rates(system, &state.u, &mut state.v, &mut state.a);
+    }
+}
+
+/// Changes the accelerations to those behind a jump of the prescribed ones: no force jumps, and the free ones change by `−M_ff⁻¹ M_fs Δa_s`.
+fn share_jump_of_acceleration(system: &System, newton: &mut Newton, state: &mut State) {
+    let old = state.a.clone();
+    system.prescribe_acceleration(state.time, &mut state.a);
+    let new = state.a.clone();
+    if add_coupled_response(system, newton, [&old, &new], &mut state.a) {
+        project_rates(system, &state.u, &mut state.v, &mut state.a);
+    }
+    state.acceleration_lag.clear();
+}
+
+/// Adds `−M_ff⁻¹ M_fs Δ` to the free degrees of freedom of a field of rates, with the factor of the mass matrix, where Δ is the change of the
+/// prescribed ones from `old` to `new`. Returns whether there is one.
+fn add_coupled_response(
+    system: &System,
+    newton: &mut Newton,
+    [old, new]: [&[Nodal]; 2],
+    field: &mut [Nodal],
+) -> bool {
+    let mut jump = new.to_vec();
+    for (jump, old) in jump.as_flattened_mut().iter_mut().zip(old.as_flattened()) {
+        *jump -= old;
     }
     if jump.as_flattened().iter().all(|&x| x == 0.0) {
-        return;
+        return false;
     }
     let mut impulse = vec![[0.0; 3]; jump.len()];
     system.pattern.add_mass_product(-1.0, &jump, &mut impulse);
-    add_free_response(system, newton, &impulse, &mut state.v);
-    project_rates(system, &state.u, &mut state.v, &mut state.a);
+    add_free_response(system, newton, &impulse, field);
+    true
 }

@@ -10,7 +10,7 @@
 //! Velocities and accelerations follow from `G v = −∂g/∂t` and `G a = −Ġ v − …`, multipliers from the equations of motion
 //! `M a + Gᵀλ = F`: E. J. Haug, *Computer aided kinematics and dynamics of mechanical systems* (1989), Sect. 3.6 and 11.2.
 
-use super::drive_rates::time_of_rates;
+use super::drive_rates::time_of_accelerations;
 use super::newmark::Newmark;
 use super::{Integrator, Span, StepWork, constrained_start, equilibrium, impact};
 use crate::analysis::State;
@@ -119,7 +119,7 @@ impl Integrator for Kinematics {
         start: &State,
     ) -> Result<Option<String>> {
         let Self { end, state, .. } = self;
-        state.time = time_of_rates(system, end.time, end.dt);
+        state.time = time_of_accelerations(system, end.time, end.dt);
         state.u.copy_from_slice(&end.u);
         state.v.fill([0.0; 3]);
         state.a.fill([0.0; 3]);

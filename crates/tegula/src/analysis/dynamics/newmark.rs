@@ -178,7 +178,7 @@ impl Newmark {
         }
         // Prescribed motions are known exactly, with their rates.
         system.prescribe_velocity_before(self.time, &mut self.v);
-        system.prescribe_acceleration(self.time, &mut self.a);
+        system.prescribe_acceleration_before(self.time, &mut self.a);
         let [v, a] = &mut self.on_constraints;
         if !a.is_empty() {
             v.copy_from_slice(&self.v);

@@ -43,9 +43,14 @@ impl StepEnds {
         let shares = options.time_step.is_none() && system.procedure != Procedure::Explicit;
         let lags = matches!(options.scheme.instant(system), Instant::Between(_));
         let limit = f64::INFINITY;
-        let jumps =
-            if options.scheme.carries_accelerations() { system.jumps_of_acceleration() } else { Vec::new() };
-        Self { stops: Stops::of(system, end, jumps), fixed: options.time_step, end, limit, shares, lags }
+        Self {
+            stops: Stops::of(system, end, system.jumps_of_acceleration()),
+            fixed: options.time_step,
+            end,
+            limit,
+            shares,
+            lags,
+        }
     }
 
     /// Shortest distance, of `least` at least, between two breaks of amplitudes or times that are asked for, or from one to either end of the analysis.

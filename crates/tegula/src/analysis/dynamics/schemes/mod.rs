@@ -122,10 +122,3 @@ macro_rules! dispatch {
     };
 }
 schemes!(dispatch);
-
-impl Scheme {
-    /// True if a step begins with the accelerations of the end of the step before, so that one of the other side of a jump alternates about the right one.
-    pub fn carries_accelerations(self) -> bool {
-        !self.is_explicit() && !self.conserves_energy() && !self.is_kinematic()
-    }
-}
