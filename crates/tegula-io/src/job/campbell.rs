@@ -63,10 +63,10 @@ pub(super) fn run(
 }
 
 fn frequency(speed: f64, number: usize, mode: &Mode) -> Frequency {
-    let Mode { omega, whirl, .. } = mode;
+    let Mode { omega, complex, .. } = mode;
     // At rest both frames are one.
-    let fixed_frame = whirl.as_ref().map_or(Some(*omega), |whirl| whirl.fixed_frame);
-    let growth = whirl.as_ref().map_or(0.0, |whirl| whirl.growth);
+    let fixed_frame = complex.as_ref().map_or(Some(*omega), |part| part.fixed_frame);
+    let growth = complex.as_ref().map_or(0.0, |part| part.growth);
     Frequency { speed, number, omega: *omega, growth, fixed_frame }
 }
 

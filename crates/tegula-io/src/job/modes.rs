@@ -62,20 +62,25 @@ pub(super) fn write_frequencies(
     about: &State,
     modes: &[Mode],
 ) -> Result<(), OutputError> {
-    let turns = modes.iter().any(|mode| mode.whirl.is_some());
+    let parts = || modes.iter().filter_map(|mode| mode.complex.as_ref());
+    let (complex, turns) = (parts().next().is_some(), parts().any(|part| part.speed != 0.0));
     let names = ["mode", "frequency_hz", "omega", "rigid", "residual", "growth", "fixed_frame_omega"];
-    let names = if turns { &names[..] } else { &names[..5] };
+    let names = &names[..5 + usize::from(complex) + usize::from(turns)];
     let row = |(i, mode): (usize, &Mode)| {
         let rigid = f64::from(u8::from(mode.rigid));
         let number = (i + 1) as f64;
         let mut row = vec![number, mode.frequency_hz, mode.omega, rigid, mode.residual];
         let mut shapes = vec![(number, mode.shape.clone())];
-        if let Some(whirl) = &mode.whirl {
-            row.extend([whirl.growth, whirl.fixed_frame.unwrap_or(f64::NAN)]);
+        if let Some(part) = &mode.complex {
+            row.push(part.growth);
             // A quarter period later the motion has the shape −quadrature.
-            shapes.push((number + 0.25, whirl.quadrature.iter().map(|x| x.map(|x| -x)).collect()));
-        } else if turns {
-            row.extend([0.0, mode.omega]);
+            shapes.push((number + 0.25, part.quadrature.iter().map(|x| x.map(|x| -x)).collect()));
+        } else if complex {
+            row.push(0.0);
+        }
+        if turns {
+            let frame = mode.complex.as_ref().map_or(Some(mode.omega), |part| part.fixed_frame);
+            row.push(frame.unwrap_or(f64::NAN));
         }
         (row, shapes)
     };

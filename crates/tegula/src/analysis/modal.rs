@@ -10,6 +10,7 @@
 //! among the modes: they have the frequency 0 within round-off.
 
 mod circulatory;
+mod complex_modes;
 mod convergence;
 mod dense;
 mod frequency_response;
@@ -22,11 +23,13 @@ mod spinning;
 mod strain_energy;
 
 use super::statics::{self, StaticOutcome};
-use super::{Observer, State, Statistics};
+use super::{Observer, Silent, State, Statistics};
 use crate::element::Nodal;
 use crate::model::{ModalAnalysis, StaticAnalysis};
 use crate::system::System;
 use crate::{Error, Result};
+pub use complex_modes::ComplexPart;
+use complex_modes::SkewParts;
 pub(super) use convergence::{Target, ritz_pairs};
 use problem::Problem;
 pub(super) use problem::{go_on, has_springs, is_preloaded};
@@ -35,12 +38,13 @@ use reduced_model::Reduction;
 use rigid::RigidModes;
 use search::Search;
 use spinning::Spin;
-pub use spinning::Whirl;
 use tegula_sparse::Factor as _;
 use tegula_sparse::lanczos::RitzPair;
 
 /// Number of rounds in which missed modes are searched for.
 const ROUNDS: usize = 5;
+/// Lowest modes among which vibrations that grow are looked for along a path.
+const WATCHED: usize = 6;
 /// Further modes that are found under loads without potential, to judge their coupling with the wanted ones.
 const COUPLED: usize = 4;
 /// Places in a gap, as fractions of its width, where eigenvalues are counted until a factorisation succeeds.
@@ -73,8 +77,9 @@ pub struct Mode {
     /// dense solver found all modes. Of a rigid mode: ω² by its strain energy over that of the softest degree of
     /// freedom.
     pub residual: f64,
-    /// Of a model that turns: the rest of its complex mode, whose real part is the shape; `None` for models that do not.
-    pub whirl: Option<Whirl>,
+    /// Of a model that turns, or whose follower loads have no potential: the rest of its complex mode, whose real part is the shape; `None` for
+    /// others.
+    pub complex: Option<ComplexPart>,
 }
 
 /// Modes in ascending order.
@@ -101,8 +106,7 @@ pub struct Response {
 ///
 /// # Errors
 /// The mass is not positive definite, the iteration does not find the modes, the Sturm sequence count disagrees,
-/// round-off hides a mode, circulatory follower loads (which have no potential) would change a mode, or the observer
-/// has asked to stop, which is noticed between two applications of the inverse.
+/// round-off hides a mode, or the observer has asked to stop, which is noticed between two applications of the inverse.
 pub fn run(
     system: &System,
     wanted: usize,
@@ -128,7 +132,7 @@ pub fn run_with_inputs(
     if analysis.inputs.is_empty() {
         return Ok((outcome, None));
     }
-    if outcome.modes.iter().any(|mode| mode.whirl.is_some()) {
+    if outcome.modes.iter().any(|mode| mode.complex.as_ref().is_some_and(|part| part.speed != 0.0)) {
         return Err(Error::model(
             "analysis.inputs",
             "the response of a model that turns is not computed",
@@ -164,29 +168,67 @@ pub fn run_with_inputs(
     Ok((outcome, Some(Response { reduced, frequencies })))
 }
 
-/// The `wanted` lowest modes, complex ones of a model that turns, and whether these are all.
+/// Growth rate and circular frequency of the vibration about an equilibrium under follower loads that grows most, among the lowest ones; `None` where none
+/// grows, the loads have a potential or the model has no mass.
+pub(super) fn growing_vibration(system: &System, state: &State) -> Option<(f64, f64)> {
+    circulatory::stiffness(system, state)?;
+    let mut problem = Problem::new(system, Some(state)).ok()?;
+    let (found, _) = modes_about(&mut problem, WATCHED, Some(state), &mut Silent).ok()?;
+    let growth = |mode: &Mode| Some((mode.complex.as_ref()?.growth, mode.omega));
+    let growing =
+        found.modes.iter().filter_map(growth).filter(|(growth, omega)| *growth > 0.0 && *omega > 0.0);
+    growing.max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// The `wanted` lowest modes, complex ones of a model that turns or whose follower loads have no potential, and whether these are all.
 fn modes_about(
     problem: &mut Problem,
     wanted: usize,
     equilibrium: Option<&State>,
     observer: &mut dyn Observer,
 ) -> Result<(ModalOutcome, bool)> {
-    if let Some(state) = equilibrium {
-        circulatory::refuse_loads_of_unknown_stiffness(problem.system, state)?;
+    let system = problem.system;
+    let Some(state) = equilibrium else {
+        let (outcome, all) = lowest_modes(problem, (wanted, 0), observer)?;
+        let unstable = outcome.modes.iter().filter(|mode| mode.omega < 0.0).count();
+        if unstable > 0 {
+            observer.on_warning(&format!(
+                "the reference configuration is unstable: {unstable} of the modes found do not vibrate but grow, with negative frequencies −√−ω²/2π; \
+                 `prestressed = true`, or a static step before, finds an equilibrium"
+            ));
+        }
+        return Ok((outcome, all));
+    };
+    circulatory::refuse_loads_of_unknown_stiffness(system, state)?;
+    let spin = Spin::of(system, state.time).filter(|spin| spin.omega != 0.0);
+    let skew = circulatory::stiffness(system, state);
+    let whole = || Some(circulatory::whole_stiffness(system, state)).filter(|stiffness| !stiffness.is_zero());
+    if spin.is_some() || (skew.is_some() && !system.joints.is_empty()) {
+        let parts = SkewParts { spin, circulatory: whole() };
+        return Ok((complex_modes::modes(problem, (wanted, &parts), None, observer)?, false));
     }
-    let spin =
-        equilibrium.and_then(|state| Spin::of(problem.system, state.time)).filter(|spin| spin.omega != 0.0);
-    match spin {
-        Some(spin) => Ok((spinning::modes(problem, (wanted, spin), equilibrium, observer)?, false)),
-        None => lowest_modes(problem, wanted, equilibrium, observer),
+    // Modes just above the wanted ones couple with them most.
+    let coupled = if skew.is_some() { COUPLED } else { 0 };
+    let (mut outcome, all) = lowest_modes(problem, (wanted, coupled), observer)?;
+    let modes = &outcome.modes;
+    let changed = match &skew {
+        Some(skew) => circulatory::matters(problem, skew, modes, wanted)?,
+        None => false,
+    };
+    if changed || circulatory::moments_matter(system, state, &modes[..wanted.min(modes.len())]) {
+        let parts = SkewParts { spin: None, circulatory: whole() };
+        let known = Some(std::mem::take(&mut outcome.modes));
+        return Ok((complex_modes::modes(problem, (wanted, &parts), known, observer)?, false));
     }
+    outcome.modes.truncate(wanted);
+    outcome.statistics.steps = outcome.modes.len() as u64;
+    Ok((outcome, all))
 }
 
-/// The `wanted` lowest modes, and whether these are all.
+/// The `wanted` lowest modes and some `more`, without skew matrices, and whether the wanted ones are all.
 fn lowest_modes(
     problem: &mut Problem,
-    wanted: usize,
-    equilibrium: Option<&State>,
+    (wanted, more): (usize, usize),
     observer: &mut dyn Observer,
 ) -> Result<(ModalOutcome, bool)> {
     let system = problem.system;
@@ -209,12 +251,7 @@ fn lowest_modes(
         );
     }
     let wanted = wanted.min(all);
-    let skew = equilibrium.and_then(|state| circulatory::stiffness(system, state));
-    if skew.is_some() && !system.joints.is_empty() {
-        return Err(circulatory::with_joints());
-    }
-    // Modes just above the wanted ones couple with them most.
-    let found = if skew.is_some() { (wanted + COUPLED).min(all) } else { wanted };
+    let found = (wanted + more).min(all);
     let elastic = found.saturating_sub(problem.rigid.len());
     let mut searches: Vec<Search> = groups.map(|group| Search::new(problem, group, elastic)).collect();
     for search in &mut searches {
@@ -229,13 +266,7 @@ fn lowest_modes(
         }
     }
     modes.sort_by(|a, b| a.omega.total_cmp(&b.omega));
-    if let Some(skew) = skew {
-        circulatory::refuse(problem, &skew, &modes, wanted)?;
-    }
-    if let Some(state) = equilibrium {
-        circulatory::refuse_moments(system, state, &modes[..wanted.min(modes.len())])?;
-    }
-    modes.truncate(wanted);
+    modes.truncate(found);
     let statistics = Statistics {
         steps: modes.len() as u64,
         iterations: problem.applications,
@@ -372,7 +403,7 @@ fn rigid_modes(problem: &Problem, wanted: usize) -> Result<Vec<Mode>> {
         let group = problem.groups.iter().find(|g| g.rigid.contains(&index));
         let residual = 2.0 * energy / group.map_or(f64::NAN, |g| g.lowest);
         refuse_residual("a rigid motion of a part", residual)?;
-        modes.push(Mode { frequency_hz: 0.0, omega: 0.0, rigid: true, shape, residual, whirl: None });
+        modes.push(Mode { frequency_hz: 0.0, omega: 0.0, rigid: true, shape, residual, complex: None });
     }
     Ok(modes)
 }
@@ -436,7 +467,7 @@ fn mode(
         rigid: free,
         shape,
         residual: pair.residual,
-        whirl: None,
+        complex: None,
     })
 }
 

@@ -81,18 +81,20 @@ fn orthonormal(vectors: [Vec3; 2]) -> [Vec3; 2] {
 pub(super) struct Corners {
     /// Positions and directors of the corners; `None` where the element has other nodal vectors, or none.
     vectors: Vec<Option<[u32; 8]>>,
-    /// Half the thickness (length).
-    half: Vec<f64>,
+    /// Heights of the lower and the upper face over the mesh (length).
+    faces: Vec<[f64; 2]>,
 }
 
 impl Corners {
     /// Corners of all elements.
     pub(super) fn new(mesh: &Mesh, elements: &Elements) -> Self {
-        let mut out = Self { vectors: vec![None; mesh.quads.len()], half: vec![0.0; mesh.quads.len()] };
+        let mut out = Self { vectors: vec![None; mesh.quads.len()], faces: vec![[0.0; 2]; mesh.quads.len()] };
         for shell in &elements.list {
             let vectors = elements.groups[shell.groups.start].vectors(shell.member);
             out.vectors[shell.quad as usize] = vectors.try_into().ok();
-            out.half[shell.quad as usize] = 0.5 * elements.sections[shell.section].section.thickness;
+            let section = &elements.sections[shell.section].section;
+            out.faces[shell.quad as usize] =
+                [-0.5, 0.5].map(|side| section.offset + side * section.thickness);
         }
         out
     }
@@ -167,8 +169,10 @@ impl Corners {
             let corners = vectors.map(&reference);
             let Some([xi, eta, height]) = place(&corners, at) else { continue };
             let foot = (0..4).map(|a| corners[a] * shapes(xi, eta)[a]).sum::<Vec3>();
-            let limit = self.half[quad as usize] * (1.0 + BESIDE) + ROUND_OFF * length;
-            let beside = (height.abs() * corners[4].norm() - limit).max(0.0);
+            let [lower, upper] = self.faces[quad as usize];
+            let over_mesh = height * corners[4].norm();
+            let outside = (over_mesh - upper).max(lower - over_mesh);
+            let beside = (outside - 0.5 * BESIDE * (upper - lower) - ROUND_OFF * length).max(0.0);
             if nearest.as_ref().is_none_or(|(least, ..)| beside < *least) {
                 let height = if height.abs() > ROUND_OFF * length { height } else { 0.0 };
                 nearest = Some((beside, Found { vectors, corners, place: [xi, eta, height] }, foot));

@@ -47,6 +47,7 @@ mod stills;
 mod ties;
 mod turning;
 mod turning_nodes;
+mod uncorrected_shear;
 mod vectors;
 mod warnings;
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{StepModel, procedure};
+use super::{StepModel, procedure, uncorrected_shear};
 use crate::analysis::dynamics::{PassedOver, passed_over};
 use crate::element::{ShellGeometry, registry};
 use crate::load::LoadFactor;
@@ -37,6 +37,7 @@ pub fn warnings(model: &Model, mesh: &Mesh, system: &System) -> Vec<Issue> {
     found.extend(jumping_supports(model, system));
     found.extend(shortened_directors(model, system));
     found.extend(independent_of_the_start(model, mesh, system));
+    found.extend(uncorrected_shear::warnings(model, system));
     found
 }
 

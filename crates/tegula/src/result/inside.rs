@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
 
-use crate::Mat3;
 use crate::analysis::State;
 use crate::element::curved_strain::CurvedStrain;
 use crate::element::geometry::cross_section_frame;
@@ -16,6 +15,7 @@ use crate::model::{PrescribedStrain, acting_strains};
 use crate::section::CompiledSection;
 use crate::section::compiled::Layer;
 use crate::system::{EvaluationPoint, Shell, System};
+use crate::{Mat3, Vec3};
 
 /// Snapshot for the recovery of stresses: state of a model, or a small motion about that state.
 ///
@@ -52,13 +52,46 @@ impl<'a> Snapshot<'a> {
         EvaluationPoint::new(system, motion, state.time, &state.history).of_group(system, group, factors)
     }
 
-    /// Sampled strains of a shell: at the state, and their changes with the small motion.
+    /// Geometry of a shell at the state.
+    pub fn current_geometry(&self, shell: &Shell) -> ShellGeometry {
+        let Self { system, state, .. } = self;
+        let vectors = system.groups[shell.groups.start].vectors(shell.member);
+        let at = |a: usize| {
+            let v = vectors[a] as usize;
+            Vec3::from(system.coordinates.reference[v]) + Vec3::from(state.u[v])
+        };
+        ShellGeometry::new(std::array::from_fn(at), std::array::from_fn(|a| at(4 + a)))
+    }
+
+    /// Strain rates of an element of a group at the state, times the retardation time of its material: what they add to the strains from
+    /// which stresses follow. `None` where they add nothing.
+    fn retarded(&self, shell: &Shell, group: usize) -> Option<Vec<f64>> {
+        let Self { system, state, factors, .. } = self;
+        let elements = &system.groups[group];
+        let (tau, linear) = (elements.retardation_time(), system.sections[shell.section].section.is_linear());
+        if tau == 0.0 || state.v.is_empty() || self.small.is_some() || !linear {
+            return None;
+        }
+        let motion = Motion::State { u: &state.u, velocity: Some(&state.v) };
+        let point = EvaluationPoint::new(system, motion, state.time, &state.history);
+        let mut rates = elements.strain_rates(shell.member, &point.of_group(system, group, factors));
+        rates.iter_mut().for_each(|rate| *rate *= tau);
+        Some(rates)
+    }
+
+    /// Sampled strains of a shell from which stresses follow: at the state, and their changes with the small motion.
     fn samples(&self, shell: &Shell) -> (DVector<f64>, Option<DVector<f64>>) {
         let of_groups = |f: &dyn Fn(usize) -> Vec<f64>| {
             DVector::from_vec(shell.groups.clone().flat_map(f).collect::<Vec<f64>>())
         };
         let groups = &self.system.groups;
-        let at_state = of_groups(&|g| groups[g].sampled_strains(shell.member, &self.point(g)));
+        let at_state = of_groups(&|g| {
+            let mut strains = groups[g].sampled_strains(shell.member, &self.point(g));
+            if let Some(retarded) = self.retarded(shell, g) {
+                strains.iter_mut().zip(retarded).for_each(|(strain, retarded)| *strain += retarded);
+            }
+            strains
+        });
         let change = self.small.map(|_| of_groups(&|g| groups[g].strain_rates(shell.member, &self.point(g))));
         (at_state, change)
     }

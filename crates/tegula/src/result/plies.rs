@@ -11,8 +11,10 @@ use rayon::prelude::*;
 
 use super::inside::{Inside, Shape, Snapshot};
 use super::recovery::CHUNK;
+use crate::Mat3;
 use crate::analysis::State;
-use crate::section::compiled::{Resultant, turned_stress};
+use crate::section::CompiledSection;
+use crate::section::compiled::{Layer, Resultant, turned_stress};
 use crate::section::failure::{FailureMode, Strengths};
 use crate::section::ply::shear_turn;
 use crate::system::{Shell, System};
@@ -88,33 +90,16 @@ fn plies(snapshot: &Snapshot, shell: &Shell, last: &mut Option<Arc<Shape>>) -> O
                 };
                 let turn = section.layer_axis(layer, &frame);
                 let plane = turned_stress(Vector3::new(stress[0], stress[1], stress[2]), -turn);
-                let shear = match &section.resultant {
-                    Resultant::Laminate(laminate) if !element.is_solid() => {
-                        // The first integration point holds the resultants; equilibrium spreads their shear forces over
-                        // the thickness.
-                        let q = Vector2::new(
-                            integration_points[point * per_point][4],
-                            integration_points[point * per_point][5],
-                        );
-                        let of_section = turn - layer.angle;
-                        let gamma = laminate.stiffness(of_section).shear.try_inverse()? * q;
-                        let states =
-                            laminate.recover(of_section, &Vector3::zeros(), &Vector3::zeros(), &gamma);
-                        let ply = states.get(number)?;
-                        [ply.bottom, ply.middle, ply.top]
-                            .into_iter()
-                            .min_by(|a, b| (a.height - z).abs().total_cmp(&(b.height - z).abs()))?
-                            .shear_stress
+                let shear = if element.is_solid() {
+                    shear_turn(turn) * Vector2::new(stress[4], stress[5])
+                } else {
+                    // The first integration point holds the resultants.
+                    let of_section = &integration_points[point * per_point];
+                    let q = Vector2::new(of_section[4], of_section[5]);
+                    match shear_of_equilibrium(section, (number, layer), &frame, (&q, z)) {
+                        Some(shear) => shear,
+                        None => shear_turn(turn) * Vector2::new(stress[4], stress[5]),
                     }
-                    Resultant::Isotropic(_) if !element.is_solid() => {
-                        let q = Vector2::new(
-                            integration_points[point * per_point][4],
-                            integration_points[point * per_point][5],
-                        );
-                        let zeta = 2.0 * z / section.thickness;
-                        shear_turn(turn) * q * (1.5 / section.thickness * (1.0 - zeta * zeta))
-                    }
-                    _ => shear_turn(turn) * Vector2::new(stress[4], stress[5]),
                 };
                 for i in 0..3 {
                     at.plane[i] += plane[i] / points as f64;
@@ -128,6 +113,34 @@ fn plies(snapshot: &Snapshot, shell: &Shell, last: &mut Option<Arc<Shape>>) -> O
         out.push(ply);
     }
     Some(out)
+}
+
+/// Transverse shear stresses τ13, τ23 of a layer at the height z, in its own axes, which equilibrium over the thickness makes of the shear forces q of a
+/// point with this frame; `None` where the section has no such distribution.
+pub(super) fn shear_of_equilibrium(
+    section: &CompiledSection,
+    (number, layer): (usize, &Layer),
+    frame: &Mat3,
+    (q, z): (&Vector2<f64>, f64),
+) -> Option<Vector2<f64>> {
+    let turn = section.layer_axis(layer, frame);
+    match &section.resultant {
+        Resultant::Laminate(laminate) => {
+            let of_section = turn - layer.angle;
+            let gamma = laminate.stiffness(of_section).shear.try_inverse()? * q;
+            let states = laminate.recover(of_section, &Vector3::zeros(), &Vector3::zeros(), &gamma);
+            let ply = states.get(number)?;
+            let places = [ply.bottom, ply.middle, ply.top];
+            let nearest =
+                places.into_iter().min_by(|a, b| (a.height - z).abs().total_cmp(&(b.height - z).abs()))?;
+            Some(nearest.shear_stress)
+        }
+        Resultant::Isotropic(_) => {
+            let zeta = 2.0 * (z - section.offset) / section.thickness;
+            Some(shear_turn(turn) * q * (1.5 / section.thickness * (1.0 - zeta * zeta)))
+        }
+        _ => None,
+    }
 }
 
 fn failure(stresses: &[PlyStress; 3], strength: &Strengths) -> PlyFailure {

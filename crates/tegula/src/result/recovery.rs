@@ -21,15 +21,17 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DVector, Vector6};
+use nalgebra::{DVector, Vector2, Vector6};
 use rayon::prelude::*;
 
 use super::inside::{Inside, Shape, Snapshot};
+use super::plies::shear_of_equilibrium;
 use crate::Mat3;
 use crate::analysis::State;
 use crate::element::geometry::{cross_section_frame, nodal_areas};
 use crate::section::CompiledSection;
 use crate::section::compiled::Layer;
+use crate::section::ply::shear_turn;
 use crate::system::{Shell, ShellSection, System};
 use tegula_sparse::norm::larger;
 
@@ -57,6 +59,8 @@ pub struct ShellResult {
     pub area: f64,
     /// Axes x, y, z of the frame of the components, in the reference configuration.
     pub axes: [[f64; 3]; 3],
+    /// Where these axes are at the state, turned with the surface.
+    pub current_axes: [[f64; 3]; 3],
 }
 
 /// Resultants, stresses and energy of all shells at a state, in the order of [`System::shells`].
@@ -94,7 +98,9 @@ fn element(
     let geometry = snapshot.system.geometry(shell);
     let inside = Inside::after(snapshot, shell, last)?;
     let centre = cross_section_frame(&geometry.base(0.0, 0.0, 0.0))?;
-    let mut out = ShellResult { axes: centre.into(), ..ShellResult::default() };
+    let current =
+        cross_section_frame(&snapshot.current_geometry(shell).base(0.0, 0.0, 0.0)).unwrap_or(centre);
+    let mut out = ShellResult { axes: centre.into(), current_axes: current.into(), ..ShellResult::default() };
     let points = shell_element.surface_points();
     let stresses = inside.point_stresses();
     let per_point = stresses.len() / points;
@@ -164,7 +170,8 @@ fn surface_stresses(
     // The thickness strain of elements with stress resultants is one for the whole section: what it leaves in single layers, E (ε_zz − α ΔT),
     // is no stress of plane stress.
     let plane_stress = !element.is_solid() && !section.has_rubber();
-    let mean = |layer: &Layer, z: f64| -> Option<Vector6<f64>> {
+    let per_point = at_integration_points.len() / points;
+    let mean = |number: usize, layer: &Layer, z: f64| -> Option<Vector6<f64>> {
         let mut sum = Vector6::zeros();
         for point in 0..points {
             let (stress, frame) = match inside.stress(point, z, layer) {
@@ -173,25 +180,34 @@ fn surface_stresses(
             };
             let turn = Turn::between(&frame, centre);
             let [xx, yy, xy] = turn.tensor([stress[0], stress[1], stress[2]]);
-            let [xz, yz] = turn.vector([stress[4], stress[5]]);
+            let mut shear = [stress[4], stress[5]];
+            if !element.is_solid() && section.is_linear() {
+                // The shear strain of the section is an average; equilibrium distributes its forces.
+                let of_section = &at_integration_points[point * per_point];
+                let q = Vector2::new(of_section[4], of_section[5]);
+                if let Some(of_layer) = shear_of_equilibrium(section, (number, layer), &frame, (&q, z)) {
+                    shear = (shear_turn(-section.layer_axis(layer, &frame)) * of_layer).into();
+                }
+            }
+            let [xz, yz] = turn.vector(shear);
             let zz = if plane_stress { 0.0 } else { stress[3] };
             sum += Vector6::new(xx, yy, xy, zz, xz, yz) / points as f64;
         }
         Some(sum)
     };
     if let Some(layer) = sheet {
-        let across = |z: f64| mean(layer, z).map_or(f64::NAN, |s| s[3]);
+        let across = |z: f64| mean(0, layer, z).map_or(f64::NAN, |s| s[3]);
         stresses(out, layer, [layer.bottom, 0.5 * (layer.bottom + layer.top), layer.top].map(across));
         return;
     }
     let plane = |s: &Vector6<f64>| [s[0], s[1], s[2]];
     if let (Some(bottom), Some(top)) = (section.layers.first(), section.layers.last()) {
-        out.stress_bottom = mean(bottom, bottom.bottom).as_ref().map_or([0.0; 3], plane);
-        out.stress_top = mean(top, top.top).as_ref().map_or([0.0; 3], plane);
+        out.stress_bottom = mean(0, bottom, bottom.bottom).as_ref().map_or([0.0; 3], plane);
+        out.stress_top = mean(section.layers.len() - 1, top, top.top).as_ref().map_or([0.0; 3], plane);
     }
-    for layer in &section.layers {
+    for (number, layer) in section.layers.iter().enumerate() {
         for z in [layer.bottom, 0.5 * (layer.bottom + layer.top), layer.top] {
-            if let Some(s) = mean(layer, z) {
+            if let Some(s) = mean(number, layer, z) {
                 out.von_mises = larger(out.von_mises, equivalent(&s));
             }
         }

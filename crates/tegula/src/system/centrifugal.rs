@@ -5,6 +5,7 @@ use super::evaluation_point::current_vector;
 use super::{LocalFrames, System, VectorKind};
 use crate::element::{Motion, Nodal};
 use crate::load::CentrifugalLoad;
+use crate::norm::max_norm;
 
 impl System {
     /// Adds `factor` times the centrifugal forces at a motion.
@@ -67,5 +68,21 @@ impl System {
     fn softening(&self, load: &CentrifugalLoad, parts: &TangentCoefficients) -> f64 {
         let direction = parts.weights.force * parts.weights.direction;
         direction * self.factor(&load.factor, parts.time) * load.velocity.powi(2)
+    }
+}
+
+impl System {
+    /// Size of the forces that act on the model at a time (force): the sum of the largest force of each dead load, and of centrifugal forces
+    /// of all mass at the point that is farthest from the axis. Of forces that cancel each other about the machine precision times this size is left.
+    pub fn size_of_loads(&self, time: f64) -> f64 {
+        let dead = self.dead_loads.iter().map(|load| {
+            self.factor(&load.factor, time).abs() * max_norm(load.force.as_flattened().iter().copied())
+        });
+        let farthest = max_norm(self.coordinates.reference.as_flattened().iter().copied());
+        let centrifugal = self.centrifugal.iter().map(|load| {
+            let arm = farthest + load.at.norm();
+            self.factor(&load.factor, time).abs() * load.velocity.powi(2) * self.total_mass() * arm
+        });
+        dead.chain(centrifugal).sum()
     }
 }

@@ -146,6 +146,13 @@ impl System {
         Some(self.row_rate(joint, row, [u, v], drive).abs())
     }
 
+    /// Rate by which velocities `v` at the displacements `u` exceed a rate of a joint's drive, with its sign; `None` for a joint without a drive.
+    pub fn excess_rate(&self, joint: &Joint, [u, v]: [&[Nodal]; 2], (time, rate): (f64, f64)) -> Option<f64> {
+        joint.drive?;
+        let drive = DriveValue { rate, ..self.drive(joint, time) };
+        Some(self.row_rate(joint, joint.rows.first()?, [u, v], drive))
+    }
+
     /// Largest rate by which velocities `v` at the displacements `u` open a joint: over the length of the model for distances [1/time].
     pub fn opening_rate(&self, joint: &Joint, [u, v]: [&[Nodal]; 2], time: f64) -> f64 {
         let drive = self.drive(joint, time);

@@ -21,6 +21,11 @@ impl System {
         self.splines_of_motions().any(|spline| spline.acceleration_jumps().any(|jump| jump == time))
     }
 
+    /// Whether a time function is a signal that the caller sets.
+    pub fn is_signal(&self, amplitude: usize) -> bool {
+        matches!(self.amplitudes.get(amplitude), Some(TimeFunction::Signal(_)))
+    }
+
     fn splines_of_motions(&self) -> impl Iterator<Item = &Spline> {
         self.amplitudes_of_motions().filter_map(|amplitude| {
             if let TimeFunction::Spline(spline) = amplitude { Some(spline) } else { None }

@@ -2,7 +2,8 @@
 
 use crate::common::{Notes, driven_edge, move_in_time, plate};
 use crate::multibody::{between, body, gravity, machine, pose, run};
-use tegula::analysis::{Silent, dynamics, statics};
+use tegula::analysis::{Observer, Silent, Step, dynamics, statics};
+use tegula::load::{Signal, TimeFunction};
 use tegula::model::*;
 use tegula::norm::max_norm;
 use tegula::result::joint_reaction;
@@ -457,5 +458,55 @@ fn reactions_behind_a_kink_are_those_of_the_velocities_there() {
         let (force, _) = joint_reaction(&system, at_kink, &system.joints[0]);
         let exact = 1_f64.to_radians().powi(2);
         assert!((force.norm() - exact).abs() < 1e-9 * exact, "{scheme:?}: {force}");
+    }
+}
+
+/// Sets a signal for the next step.
+struct Follow<F> {
+    signal: Signal,
+    value: F,
+    step: f64,
+    notes: Notes,
+}
+
+impl<F: Fn(f64) -> f64> Observer for Follow<F> {
+    fn on_step(&mut self, step: &Step) -> tegula::Result<()> {
+        self.signal.set((self.value)(step.state.time + self.step));
+        self.notes.on_step(step)
+    }
+
+    fn on_warning(&mut self, message: &str) {
+        self.notes.on_warning(message);
+    }
+}
+
+/// A drive follows a signal. Where this stops at once, the velocities alternate from then on, and a warning says so; where it moves smoothly, they do not. The
+/// composed steps of fourth order carry velocities of their own along.
+#[test]
+fn velocities_that_alternate_about_the_rate_of_a_signal_are_warned_of() {
+    let warnings = |order: u32, value: fn(f64) -> f64| {
+        let step = 5e-3;
+        let arm = body("arm", [0.3, 0.0, 0.0], 1.0, Some([0.1; 3]));
+        let mut m = machine(1.0, step, vec![arm], driven_hinge("arm", [0.0; 3], [0.0, 0.0, 1.0]));
+        m.amplitudes.insert("angle".into(), formula("0*t"));
+        let Analysis::Transient(options) = &mut m.analysis else { panic!("no transient analysis") };
+        options.scheme = Scheme::EnergyMomentum(EnergyMomentumScheme { order });
+        let options = options.clone();
+        let mut system = compile::build(&m, &mesh::generators::generate(&m.mesh).unwrap()).unwrap();
+        let signal = Signal::default();
+        system.amplitudes = vec![TimeFunction::Signal(signal.clone())];
+        let mut follow = Follow { signal, value, step, notes: Notes::default() };
+        dynamics::run(&system, &options, None, &mut follow).unwrap();
+        follow.notes.warnings
+    };
+    for order in [2, 4] {
+        let told = warnings(order, |t| if t < 0.5 { 20.0 * t * t } else { 5.0 });
+        assert_eq!(
+            told.iter().filter(|text| text.contains("its signal has changed")).count(),
+            1,
+            "{order}: {told:?}"
+        );
+        let smooth = warnings(order, |t| 20.0 * (1.0 - (3.0 * t).cos()));
+        assert!(smooth.is_empty(), "{order}: {smooth:?}");
     }
 }

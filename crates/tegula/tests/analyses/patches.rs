@@ -12,7 +12,7 @@ use tegula::system::{Assembly, CirculatoryStiffness, EvaluationPoint};
 use tegula::{System, Vec3, compile};
 
 const YOUNG: f64 = 2.1e6;
-const LENGTH: f64 = 1.0;
+pub const LENGTH: f64 = 1.0;
 const WIDTH: f64 = 0.2;
 const THICKNESS: f64 = 0.02;
 

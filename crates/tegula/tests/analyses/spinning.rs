@@ -54,9 +54,9 @@ fn a_disc_on_an_elastic_hub_whirls_as_the_rotor_of_jeffcott() {
         let root = (ja * ja * turn * turn + 4.0 * jt * c).sqrt();
         let tilts = [(ja * turn + root) / (2.0 * jt), (ja * turn - root) / (2.0 * jt)];
         let whirls = [(k / m).sqrt(), -(k / m).sqrt(), (5.0 * k / m).sqrt(), (4.0 * c / ja).sqrt()];
-        assert!(found.modes.iter().all(|mode| mode.whirl.as_ref().unwrap().growth == 0.0));
+        assert!(found.modes.iter().all(|mode| mode.complex.as_ref().unwrap().growth == 0.0));
         for expected in whirls.into_iter().chain(tilts) {
-            let near = found.modes.iter().filter_map(|mode| mode.whirl.as_ref().unwrap().fixed_frame);
+            let near = found.modes.iter().filter_map(|mode| mode.complex.as_ref().unwrap().fixed_frame);
             let error = near.map(|omega| (omega / expected - 1.0).abs()).min_by(f64::total_cmp).unwrap();
             assert!(error < 1e-9, "{speed}: {expected} {:?}", found.modes);
         }
@@ -96,7 +96,7 @@ fn a_hub_of_two_stiffnesses_is_unstable_between_its_critical_speeds() {
     let half = 0.5 * (a + b + 4.0 * speed * speed);
     let root = (half * half - a * b).sqrt();
     let (growth, omega) = ((root - half).sqrt(), (half + root).sqrt());
-    let whirl = found.modes[0].whirl.as_ref().unwrap();
+    let whirl = found.modes[0].complex.as_ref().unwrap();
     assert!((whirl.growth / growth - 1.0).abs() < 1e-9 && found.modes[0].omega == 0.0, "{found:?}");
     assert!((found.modes[1].omega / omega - 1.0).abs() < 1e-9, "{found:?}");
     // The same hub stands still: there is no relative equilibrium.
@@ -147,14 +147,14 @@ fn a_shaft_with_a_disc_splits_its_second_bending_pair_as_in_the_benchmark() {
     };
     let found = spin(&shaft([6.0, 0.0, 0.0])).unwrap();
     let mut whirls: Vec<f64> =
-        found.modes.iter().filter_map(|mode| mode.whirl.as_ref().unwrap().fixed_frame).collect();
+        found.modes.iter().filter_map(|mode| mode.complex.as_ref().unwrap().fixed_frame).collect();
     whirls.sort_by(f64::total_cmp);
     println!("{whirls:?}");
     for (expected, tolerance) in [(-285.2, 0.005), (-56.85, 0.005), (56.85, 0.005), (291.7, 0.005)] {
         let error = whirls.iter().map(|omega| (omega / expected - 1.0).abs()).min_by(f64::total_cmp).unwrap();
         assert!(error < tolerance, "{expected}: {whirls:?}");
     }
-    assert!(found.modes.iter().all(|mode| mode.whirl.as_ref().unwrap().growth == 0.0));
+    assert!(found.modes.iter().all(|mode| mode.complex.as_ref().unwrap().growth == 0.0));
     // A bearing beside the axis does not let the shaft turn.
     let error = spin(&shaft([6.0, 0.1, 0.0])).unwrap_err().to_string();
     assert!(error.contains("\"right\""), "{error}");
@@ -249,7 +249,7 @@ fn a_rotor_far_above_its_critical_speed_has_its_modes() {
         let has = |omega: f64| found.modes.iter().any(|mode| (mode.omega / omega - 1.0).abs() < 1e-8);
         // The others are those of tilting, torsion and translation along the axis.
         assert!(has(first) || has(second) || modes < 6, "{speed}: {found:?}");
-        assert!(found.modes.iter().all(|mode| mode.whirl.as_ref().unwrap().growth == 0.0), "{speed}");
+        assert!(found.modes.iter().all(|mode| mode.complex.as_ref().unwrap().growth == 0.0), "{speed}");
     }
 }
 
@@ -390,4 +390,28 @@ fn a_model_that_is_spun_up_goes_on_steadily() {
     }
     let [_, swings] = swing(4e-3, false);
     assert!(swings > 0.0416, "{swings}");
+}
+
+/// A disc on a bushing whose axis lies obliquely in space turns as one along an axis of coordinates: its centrifugal forces are round-off, and the
+/// reference configuration is its equilibrium.
+#[test]
+fn a_balanced_disc_turns_about_an_oblique_axis() {
+    let frequencies = |axis: [f64; 3], at: [f64; 3]| {
+        let disc = body("disc", at, 2.0, Some([0.5; 3]));
+        let mut model = Model::of_bodies(modal(6, true), vec![disc], Vec::new());
+        model.bushings =
+            vec![Bushing { at, stiffness: Some([800.0, 800.0, 800.0, 300.0, 300.0, 300.0]), ..hub() }];
+        let mut load = turning(axis, 7.0, Ground::Turns);
+        if let Load::Centrifugal(load) = &mut load {
+            load.at = at;
+        }
+        model.loads = vec![load];
+        spin(&model).unwrap().modes.iter().map(|mode| mode.omega).collect::<Vec<_>>()
+    };
+    let along = frequencies([0.0, 0.0, 1.0], [0.0; 3]);
+    let oblique = frequencies([0.36, 0.48, 0.8], [0.3, -0.7, 1.1]);
+    assert_eq!(along.len(), oblique.len());
+    for (a, b) in along.iter().zip(&oblique) {
+        assert!((a - b).abs() < 1e-7 * along[5], "{along:?} {oblique:?}");
+    }
 }

@@ -34,9 +34,9 @@ pub(super) fn add<'a>(
             1,
             nodal_mean(mesh, system, results, |r| [r.von_mises]),
         ));
-        let top = mean(|r| in_space(&r.axes, r.stress_top));
+        let top = mean(|r| in_space(&r.current_axes, r.stress_top));
         points.push(DataArray::new("stress_top_nodal", 6, top).with_component_names(&SPACE));
-        let bottom = mean(|r| in_space(&r.axes, r.stress_bottom));
+        let bottom = mean(|r| in_space(&r.current_axes, r.stress_bottom));
         points.push(DataArray::new("stress_bottom_nodal", 6, bottom).with_component_names(&SPACE));
     }
     if wanted.contains(&Field::Axes) {

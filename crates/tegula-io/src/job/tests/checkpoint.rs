@@ -74,6 +74,7 @@ fn distinct(system: &System) -> CheckpointData {
         direction: field(n),
         critical: vec![point],
         loads: [80.0, 81.0],
+        flutters: true,
         finished: true,
     }));
     let balance = &mut memory.balance;

@@ -15,6 +15,10 @@ use crate::{Error, Result, Vec3};
 const MISSED: f64 = 0.1;
 const LOST: f64 = 0.5;
 
+/// Steps one after another in which velocities change sides of the rate of a signal, from which on they alternate; difference of their distances from it, over them, that is small.
+const ALTERNATIONS: u32 = 6;
+const SAME: f64 = 0.2;
+
 /// Number of first steps that are not judged: from rest, the error is as large as the rate.
 const FIRST_STEPS: u64 = 20;
 
@@ -42,6 +46,46 @@ pub(super) struct DriveRates {
     speed: f64,
     /// Whether a message has said that velocities alternate.
     told: bool,
+    /// Drives that follow a signal, whose rate only differences of its values tell.
+    signals: Vec<SignalWatch>,
+}
+
+/// Watches the velocities of a joint whose drive follows a signal.
+struct SignalWatch {
+    joint: usize,
+    /// Value at the end of the last step, and its time.
+    last: (f64, f64),
+    /// Largest rate so far, and velocity beyond the rate in the last step.
+    largest: f64,
+    excess: f64,
+    /// Number of steps one after another in which this has changed its sign and kept its size.
+    alternations: u32,
+}
+
+impl SignalWatch {
+    fn new(system: &System, joint: usize, time: f64) -> Self {
+        let last = (system.drive_value(&system.joints[joint], time), time);
+        Self { joint, last, largest: 0.0, excess: 0.0, alternations: 0 }
+    }
+
+    /// Looks at the end of a step; true where the velocities alternate about the rate.
+    fn look(&mut self, system: &System, state: &State) -> bool {
+        let joint = &system.joints[self.joint];
+        let (value, before) = (system.drive_value(joint, state.time), self.last);
+        let rate = (value - before.0) / (state.time - before.1);
+        self.last = (value, state.time);
+        self.largest = larger(self.largest, rate.abs());
+        let at = (state.time, rate);
+        let Some(excess) = system.excess_rate(joint, [&state.u, state.velocities_of_scheme()], at) else {
+            return false;
+        };
+        let previous = std::mem::replace(&mut self.excess, excess);
+        let alternates = excess * previous < 0.0
+            && (excess + previous).abs() < SAME * excess.abs()
+            && excess.abs() > MISSED * self.largest;
+        self.alternations = if alternates { self.alternations + 1 } else { 0 };
+        self.alternations >= ALTERNATIONS
+    }
 }
 
 impl DriveRates {
@@ -58,7 +102,10 @@ impl DriveRates {
             if turns { *rate } else { rate / system.length }
         };
         let speed = system.joints.iter().zip(&largest).map(speed).fold(0.0, larger);
-        Self { largest, speed, told: false }
+        let follows = |joint: &Joint| joint.drive.is_some_and(|drive| system.is_signal(drive.amplitude));
+        let signals = (0..system.joints.len()).filter(|i| follows(&system.joints[*i]));
+        let signals = signals.map(|i| SignalWatch::new(system, i, time)).collect();
+        Self { largest, speed, told: false, signals }
     }
 
     /// Looks at the end of a step. Returns a message about the first joint whose velocities miss the rate of its drive.
@@ -104,6 +151,19 @@ impl DriveRates {
             reason,
             help: format!("Results up to the step before are complete. Take shorter steps{other}."),
         })
+    }
+
+    /// Looks at drives that follow signals, at the end of a step. Returns a warning about the first one about whose rate velocities alternate.
+    pub fn look_at_signals(&mut self, system: &System, state: &State) -> Option<String> {
+        let alternating: Vec<usize> =
+            self.signals.iter_mut().filter_map(|w| w.look(system, state).then_some(w.joint)).collect();
+        let first = *alternating.first().filter(|_| !self.told)?;
+        self.told = true;
+        Some(format!(
+            "the velocities alternate about the rate of the drive \"{}\": its signal has changed its rate at once, and the velocities, the kinetic energy, the \
+             work and the reactions are wrong from then on; let the rate of the signal change over several steps",
+            system.joints[first].name
+        ))
     }
 
     /// Message about velocities that would open a joint: a drive that stops at once leaves them alternating.

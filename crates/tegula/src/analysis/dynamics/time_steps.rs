@@ -350,6 +350,9 @@ impl<'a> TimeSteps<'a> {
             }
             let rates = self.drive_rates.look(system, state, conserves)?;
             let energy = self.difference_energy.look(system, state, self.balance.kinetic, last);
+            if let Some(warning) = self.drive_rates.look_at_signals(system, state) {
+                observer.on_warning(&format!("time {:.6e}: {warning}", state.time));
+            }
             for message in rates.into_iter().chain(energy) {
                 observer.on_event(&format!("time {:.6e}: {message}", state.time));
             }

@@ -1,4 +1,4 @@
-//! Modes under circulatory follower loads, which have no potential: refused where the loads matter.
+//! Modes under circulatory follower loads, which have no potential: whether these loads change them.
 //!
 //! The tangent of such loads is K + N with a skew N, and vibrations about the equilibrium satisfy
 //! `(K + N) φ = λ M φ`. Modes of K alone change by N in the second order,
@@ -8,7 +8,8 @@
 //! ```
 //!
 //! and pairs of nearly equal λ in the first one, where they may become complex: vibrations that grow (flutter; H. Ziegler,
-//! *Principles of structural stability*, 1968).
+//! *Principles of structural stability*, 1968). Where the change is small the modes of K are those of the model; else the
+//! [complex](super::complex_modes) ones are found.
 
 use super::Mode;
 use super::problem::Problem;
@@ -26,11 +27,20 @@ use tegula_sparse::norm::larger;
 /// Change of an eigenvalue λ = ω² by N, over λ, up to which N is neglected: that of a frequency is half of it.
 const NEGLIGIBLE: f64 = 2e-3;
 
-/// Circulatory stiffness of the follower loads at an equilibrium; `None` where they have a potential. Moments on bodies are judged by the modes.
-pub(super) fn stiffness(system: &System, equilibrium: &State) -> Option<CirculatoryStiffness> {
-    let mut skew = CirculatoryStiffness::without_moments_on_bodies(system);
+/// Circulatory stiffness of all follower loads at an equilibrium.
+pub(super) fn whole_stiffness(system: &System, equilibrium: &State) -> CirculatoryStiffness {
+    at(CirculatoryStiffness::new(system), system, equilibrium)
+}
+
+fn at(mut skew: CirculatoryStiffness, system: &System, equilibrium: &State) -> CirculatoryStiffness {
     let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: equilibrium.time };
     skew.take(system, &Motion::State { u: &equilibrium.u, velocity: None }, &parts);
+    skew
+}
+
+/// Circulatory stiffness of the follower loads at an equilibrium; `None` where they have a potential. Moments on bodies are judged by the modes.
+pub(super) fn stiffness(system: &System, equilibrium: &State) -> Option<CirculatoryStiffness> {
+    let skew = at(CirculatoryStiffness::without_moments_on_bodies(system), system, equilibrium);
     let frames = crate::analysis::equilibrium::frames(system, equilibrium);
     let place = Place { u: &equilibrium.u, time: equilibrium.time, frames: &frames };
     (!have_potential(system, &place, skew.clone(), &[])).then_some(skew)
@@ -78,14 +88,6 @@ pub(super) fn refuse_loads_of_unknown_stiffness(system: &System, equilibrium: &S
     Ok(())
 }
 
-/// Refusal of circulatory follower loads on models with joints.
-pub(super) fn with_joints() -> Error {
-    Error::Singular {
-        what: "The follower loads have no potential; their effect on the modes of a model with joints is not known.".into(),
-        help: "Run a transient analysis about the equilibrium; or use loads of constant direction.".into(),
-    }
-}
-
 /// Refusal of circulatory follower loads where the response to inputs is wanted.
 pub(super) fn with_inputs() -> Error {
     Error::Singular {
@@ -94,49 +96,37 @@ pub(super) fn with_inputs() -> Error {
     }
 }
 
-/// Refuses modes in which bodies turn about other axes than those of moments on them that are constant in space.
-///
-/// # Errors
-/// The work of the skew stiffness of such moments is more than 0.2 % of that of the stiffness.
-pub(super) fn refuse_moments(system: &System, state: &State, modes: &[Mode]) -> Result<()> {
+/// Whether bodies turn about other axes than those of moments on them that are constant in space, in a mode: the work of the skew stiffness of such
+/// moments is more than 0.2 % of that of the stiffness.
+pub(super) fn moments_matter(system: &System, state: &State, modes: &[Mode]) -> bool {
     let mut inertia = vec![[0.0; 3]; system.vectors()];
-    for mode in modes {
+    modes.iter().any(|mode| {
         let factor = |load: &crate::load::LoadFactor| system.factor(load, state.time);
         let skew = system.skew_work_of_moments(&state.u, &mode.shape, factor);
         if skew == 0.0 {
-            continue;
+            return false;
         }
         inertia.fill([0.0; 3]);
         system.pattern.add_mass_product(1.0, &mode.shape, &mut inertia);
         let stiffness = mode.omega.powi(2) * crate::system::dot(&inertia, &mode.shape);
-        if !(skew <= NEGLIGIBLE * stiffness) {
-            return Err(Error::Singular {
-                what: format!(
-                    "Moments that are constant in space have no potential where bodies or nodes of beams turn about other axes than theirs, as \
-                     in the mode of ω = {:.4e} rad/time; their effect on it is not known.",
-                    mode.omega
-                ),
-                help: "Run a transient analysis about the equilibrium; or use pairs of forces.".into(),
-            });
-        }
-    }
-    Ok(())
+        !(skew <= NEGLIGIBLE * stiffness)
+    })
 }
 
-/// Refuses modes if the circulatory stiffness would change an elastic one of the first `wanted` ones.
+/// Whether the circulatory stiffness would change the frequency of an elastic one of the first `wanted` modes by more than 0.1 %.
 ///
 /// # Errors
-/// A frequency would change by more than 0.1 %, or the shifted stiffness cannot be factored.
-pub(super) fn refuse(
+/// The shifted stiffness cannot be factored.
+pub(super) fn matters(
     problem: &mut Problem,
     skew: &CirculatoryStiffness,
     modes: &[Mode],
     wanted: usize,
-) -> Result<()> {
+) -> Result<bool> {
     let elastic: Vec<&Mode> = modes.iter().filter(|m| !m.rigid).collect();
     let judged = modes.iter().take(wanted).filter(|m| !m.rigid).count();
     if judged == 0 {
-        return Ok(());
+        return Ok(false);
     }
     if !problem.factor_shifted() {
         return Err(Error::Outside("the shifted matrix changed between two factorisations".into()));
@@ -183,22 +173,6 @@ pub(super) fn refuse(
         let nearest = found.iter().map(|z| (z.re - lambda).hypot(z.im)).reduce(f64::min);
         *change = larger(*change, nearest.unwrap_or(f64::NAN) / lambda.abs());
     }
-    let worst = (0..changes.len()).reduce(|a, b| if changes[b] > changes[a] { b } else { a }).unwrap_or(0);
     let largest = changes.iter().copied().reduce(larger).unwrap_or(f64::NAN);
-    if largest <= NEGLIGIBLE {
-        return Ok(());
-    }
-    Err(Error::Singular {
-        what: format!(
-            "The follower loads have no potential: the skew part of their stiffness would change ω² of the mode \
-             of {:.4e} Hz by about {:.2} %, and may make vibrations grow (flutter). Modes of the symmetric part \
-             would be wrong.",
-            elastic[worst].frequency_hz.abs(),
-            100.0 * largest
-        ),
-        help:
-            "Run a transient analysis about the equilibrium; or use loads of constant direction (`traction`, \
-               `edge`, `force`), or pressures on surfaces whose edges are supported, which have a potential."
-                .into(),
-    })
+    Ok(!(largest <= NEGLIGIBLE))
 }

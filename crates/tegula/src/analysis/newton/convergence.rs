@@ -25,6 +25,8 @@ const MOST_ASKED: u32 = 3;
 
 /// Increment over the size of the model that is round-off of places.
 const PLACES: f64 = 1e-14;
+/// Sum of the loads over their sizes that is round-off: they cancel each other.
+const CANCELLED: f64 = 1e-13;
 /// Out-of-balance force over the loads, above which an equilibrium found to the round-off of places alone is refused.
 const UNBALANCED: f64 = 1e-3;
 /// Iterations after which bodies whose places change by round-off alone are held.
@@ -221,7 +223,9 @@ impl<S: TangentSolver> Newton<S> {
         let mut reduced = vec![0.0; self.right_side.len()];
         self.frames.reduce(&loads, &mut reduced);
         let [left, loads] = [&self.right_side, &reduced].map(|forces| max_norm(forces.iter().copied()));
-        if loads == 0.0 || left <= UNBALANCED * loads {
+        // Loads that cancel each other but for their round-off leave the model in its equilibrium.
+        let cancelled = loads <= CANCELLED * system.size_of_loads(equation.parts().time);
+        if loads == 0.0 || cancelled || left <= UNBALANCED * loads {
             return Ok(());
         }
         let place = largest(system, &self.assembly.frames, &self.residual);

@@ -8,6 +8,7 @@
 //! Steps end at limit points, at load factors that are wanted, and at the end of the path. There is nothing but the state between two
 //! steps, so that a run can be resumed anywhere.
 
+mod flutter;
 mod inside_step;
 mod limits;
 mod opposite;
@@ -383,6 +384,7 @@ impl<'a> ArcLengthSteps<'a> {
             let redundant = newton.constraints.iter().flat_map(|constraints| constraints.redundant(system));
             redundant.for_each(|message| observer.on_warning(&message));
         }
+        let before = state.time;
         *equation = end.equation;
         equilibrium_step::take(
             system,
@@ -396,6 +398,7 @@ impl<'a> ArcLengthSteps<'a> {
         self.bending.look(system, &state.u, observer, || format!("load factor {}", state.time));
         state.negative_pivots = end.negative;
         self.statistics.steps = state.step;
+        flutter::look(system, before, state, observer);
         let Some(path) = &mut state.path else { return };
         let mut negative = negative as i32;
         for Found { a, point } in critical {

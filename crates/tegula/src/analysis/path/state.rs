@@ -147,6 +147,9 @@ pub struct PathState {
     pub critical: Vec<CriticalPoint>,
     /// Least and largest load factor so far.
     pub loads: [f64; 2],
+    /// Whether vibrations about the last equilibrium grow (flutter).
+    #[serde(default)]
+    pub flutters: bool,
     /// Whether the path has ended.
     pub finished: bool,
 }

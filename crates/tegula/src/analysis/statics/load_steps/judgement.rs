@@ -49,7 +49,7 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
             observer.on_event(&format!(
                 "load factor {target}: {negative} negative pivot(s) of the symmetric part of the tangent, but no real \
                  negative eigenvalue of the tangent with the circulatory part of the follower loads: no static \
-                 instability (divergence); flutter is not examined"
+                 instability (divergence); whether vibrations grow (flutter) a modal step behind this one tells"
             ));
         }
         if converged.floor {

@@ -1,0 +1,173 @@
+//! Complex modes under follower loads without a potential: flutter and divergence against characteristic equations.
+
+use nalgebra::{Complex, DMatrix, DVector};
+use tegula::analysis::modal::{self, Mode};
+use tegula::analysis::{Silent, State, equilibrium, path};
+use tegula::model::*;
+use tegula::{System, compile, mesh};
+
+use crate::common::{Notes, solve};
+use crate::patches::{LENGTH as LENGTH_OF_STRIP, clamped, derivative_of_residual, hub, strip};
+
+/// Length, thickness and mass per length of a column of unit bending stiffness in its soft plane.
+const LENGTH: f64 = 1.0;
+const THICKNESS: f64 = 0.01;
+const MASS: f64 = 1.0;
+
+/// A cantilever of beams on a joint, or of shells that a support clamps, under a force along its end.
+fn beck(force: f64, wanted: u32, shells: bool) -> Model {
+    let (width, h) = (10.0 * THICKNESS, THICKNESS);
+    let young = 12.0 / (width * h.powi(3));
+    let (parts, load) = if shells {
+        let strip = format!(
+            r#""mesh": {{ "type": "plate", "size": [{LENGTH}, {width}], "grid": {{ "elements": [60, 1] }} }},
+               "sections": [{{ "material": "m", "thickness": {h} }}], "conditions": [{{ "type": "clamp", "on": "u_min" }}]"#
+        );
+        (strip, format!(r#""on": "u_max", "value": [{}, 0, 0]"#, -0.5 * force))
+    } else {
+        let beam = format!(
+            r#""beams": [{{ "name": "column", "points": [[0, 0, 0], [{LENGTH}, 0, 0]], "elements": 60, "direction": [0, 1, 0],
+                            "section": {{ "type": "rectangle", "size": [{width}, {h}] }}, "material": "m" }}],
+               "joints": [{{ "type": "fixed", "name": "root", "between": ["ground", "column.start"], "at": [0, 0, 0] }}]"#
+        );
+        (beam, format!(r#""on": "column.end", "value": [{}, 0, 0]"#, -force))
+    };
+    let text = format!(
+        r#"{{ "materials": {{ "m": {{ "type": "isotropic", "young": {young}, "poisson": 0.0, "density": {} }} }}, {parts},
+            "loads": [{{ "type": "follower-force", {load} }}],
+            "analysis": {{ "type": "modal", "modes": {wanted}, "prestressed": true }} }}"#,
+        MASS / (width * h)
+    );
+    serde_json::from_str(&text).unwrap()
+}
+
+fn modes(m: &Model, notes: &mut Notes) -> Vec<Mode> {
+    let mesh = mesh::generators::generate(&m.mesh).unwrap();
+    let system: System = compile::build(m, &mesh).unwrap();
+    let Analysis::Modal(options) = &m.analysis else { panic!("no modal analysis") };
+    let state: State = modal::prestress(&system, &mut Silent).unwrap().state;
+    modal::run(&system, options.modes as usize, Some(&state), notes).unwrap().modes
+}
+
+/// Root of Beck's characteristic equation next to a complex circular frequency: with p = P L²/EI and Ω = ω L² √(m/EI), λ₁,₂² = √(p²/4 + Ω²) ± p/2,
+/// `p² + 2 Ω² (1 + cos λ₁ cosh λ₂) + p Ω sin λ₁ sinh λ₂ = 0` (M. Beck, ZAMP 3 (1952) 225–228; V. V. Bolotin, *Nonconservative problems of the theory of
+/// elastic stability*, 1963, Sect. 2.2).
+fn root(p: f64, near: Complex<f64>) -> Complex<f64> {
+    let equation = |omega: Complex<f64>| {
+        let middle = (omega * omega + p * p / 4.0).sqrt();
+        let [a, b] = [p / 2.0, -p / 2.0].map(|half| (middle + half).sqrt());
+        omega * omega * 2.0 * (a.cos() * b.cosh() + 1.0) + omega * p * a.sin() * b.sinh() + p * p
+    };
+    let mut omega = near;
+    for _ in 0..50 {
+        let h = 1e-6 * omega.norm();
+        let slope = (equation(omega + h) - equation(omega - h)) / (2.0 * h);
+        omega -= equation(omega) / slope;
+    }
+    omega
+}
+
+/// Frequencies and growth rates of Beck's column, before and behind the load 20.05 EI/L² at which its two lowest ones meet.
+#[test]
+fn a_column_under_a_follower_force_flutters_as_that_of_beck() {
+    let loads = [4.0, 15.0, 19.9, 20.2, 25.0];
+    for (force, shells) in loads.into_iter().flat_map(|force| [(force, false), (force, true)]) {
+        let mut notes = Notes::default();
+        let found = modes(&beck(force, 2, shells), &mut notes);
+        let flutters = force > 20.05;
+        assert_eq!(
+            notes.warnings.iter().any(|text| text.contains("flutter")),
+            flutters,
+            "{force} {notes:?}",
+            notes = notes.warnings
+        );
+        for (number, mode) in found.iter().enumerate() {
+            let growth = mode.complex.as_ref().unwrap().growth;
+            // The motion e^{(growth + iω)t} is that of e^{iΩt}.
+            let omega = Complex::new(mode.omega, -growth);
+            let exact = root(force, omega);
+            println!("{force} {number}: {omega} {exact}");
+            assert!((omega - exact).norm() < 4e-3 * exact.norm(), "{force} {number}: {omega} {exact}");
+            assert_eq!(growth != 0.0, flutters, "{force}: {growth}");
+        }
+        assert!(
+            !flutters
+                || (found[0].complex.as_ref().unwrap().growth + found[1].complex.as_ref().unwrap().growth)
+                    .abs()
+                    < 1e-6
+        );
+    }
+}
+
+/// Eigenvalues λ = ω² of `J φ = λ M φ` with the derivative J of the residual by differences, by a dense solver, ascending in the absolute value.
+fn dense(system: &System, state: &State) -> Vec<Complex<f64>> {
+    let columns = derivative_of_residual(system, state);
+    let (n, frames) = (columns.len(), equilibrium::frames(system, state));
+    let stiffness = DMatrix::from_fn(n, n, |i, j| columns[j][i]);
+    let mass = DMatrix::from_columns(&Vec::from_iter((0..n).map(|j| {
+        let (mut free, mut column) = (vec![0.0; n], vec![0.0; n]);
+        free[j] = 1.0;
+        let [mut moved, mut forces] = [vec![[0.0; 3]; system.vectors()], vec![[0.0; 3]; system.vectors()]];
+        frames.expand(&free, &mut moved);
+        system.pattern.add_mass_product(1.0, &moved, &mut forces);
+        frames.reduce(&forces, &mut column);
+        DVector::from_vec(column)
+    })));
+    let inverse = stiffness.lu().solve(&mass).unwrap();
+    let mut found: Vec<Complex<f64>> = inverse.complex_eigenvalues().iter().map(|mu| mu.inv()).collect();
+    found.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+    found
+}
+
+/// Modes under a pressure on a sheet with free edges, and under a moment that is constant in space on the rigid end of a strip, are those of the derivative of
+/// the residual: two motions e^{±(growth + iω)t} belong to a complex eigenvalue λ = −(growth + iω)².
+#[test]
+fn modes_under_loads_without_potential_are_those_of_the_whole_tangent() {
+    let mut pressed = strip(ElementKind::Ems, [8, 2], 0.0);
+    pressed.conditions = vec![clamped("u_min")];
+    let pressure =
+        |value| Load::Pressure(PressureLoad { on: "all".into(), value, amplitude: None, distribution: None });
+    let mut turned = pressed.clone();
+    turned.bodies = vec![hub("tip", [LENGTH_OF_STRIP, 0.1, 0.0], &["u_max"])];
+    turned.loads = vec![Load::Moment(VectorLoad::new("tip", [0.06, 0.05, 0.0]))];
+    pressed.loads = vec![pressure(30.0)];
+    let mut heavily = pressed.clone();
+    heavily.loads = vec![pressure(100.0)];
+    let wanted = 6;
+    for (name, m) in [("pressure", pressed), ("heavy pressure", heavily), ("moment", turned)] {
+        let (_, system, outcome) = solve(&m);
+        let found = modal::run(&system, wanted, Some(&outcome.state), &mut Notes::default()).unwrap().modes;
+        let exact = dense(&system, &outcome.state);
+        assert!(found.iter().all(|mode| mode.complex.is_some()), "{name}: the loads do not matter");
+        for (mode, exact) in found.iter().zip(&exact) {
+            let rate = Complex::new(mode.complex.as_ref().unwrap().growth, mode.omega);
+            let lambda = -(rate * rate);
+            let [first, second] = [lambda, lambda.conj()].map(|lambda| (lambda - exact).norm());
+            let error = if first < second { first } else { second };
+            println!("{name}: {lambda} {exact}");
+            assert!(error < 1e-5 * exact.norm(), "{name}: {lambda} {exact}");
+        }
+    }
+}
+
+/// The path of Beck's column has no critical point; a warning tells between which loads it begins to flutter.
+#[test]
+fn a_path_tells_where_its_equilibria_begin_to_flutter() {
+    for shells in [false, true] {
+        let mut m = beck(25.0, 2, shells);
+        let options = PathAnalysis { end_load: 1.0, ..PathAnalysis::default() };
+        m.analysis = Analysis::Path(options.clone());
+        let mesh = mesh::generators::generate(&m.mesh).unwrap();
+        let system: System = compile::build(&m, &mesh).unwrap();
+        let mut notes = Notes::keeping();
+        let outcome = path::run(&system, &options, None, &mut notes).unwrap();
+        let path = outcome.state.path.unwrap();
+        assert!(path.critical.is_empty() && path.flutters && outcome.state.negative_pivots <= 1);
+        let told = notes.warnings.iter().filter(|text| text.contains("flutter"));
+        let [warning] = told.collect::<Vec<_>>()[..] else { panic!("{:?}", notes.warnings) };
+        let numbers = warning.split([' ', ':', ';']).filter_map(|word| word.parse().ok());
+        let numbers: Vec<f64> = numbers.collect();
+        let onset = 20.05 / 25.0;
+        assert!(numbers[0] < onset && onset < numbers[1] && numbers[1] - numbers[0] < 0.5, "{warning}");
+    }
+}
