@@ -139,7 +139,8 @@ pub fn run_with_inputs(
             "leave the inputs or the centrifugal load out",
         ));
     }
-    if equilibrium.and_then(|state| circulatory::stiffness(system, state)).is_some() {
+    let is_circulatory = outcome.modes.iter().any(|mode| mode.complex.is_some());
+    if is_circulatory || equilibrium.and_then(|state| circulatory::stiffness(system, state)).is_some() {
         return Err(circulatory::with_inputs());
     }
     if outcome.modes.len() < problem.rigid.len() {

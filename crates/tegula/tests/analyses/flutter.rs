@@ -171,3 +171,17 @@ fn a_path_tells_where_its_equilibria_begin_to_flutter() {
         assert!(numbers[0] < onset && onset < numbers[1] && numbers[1] - numbers[0] < 0.5, "{warning}");
     }
 }
+
+/// The response to inputs about an equilibrium with complex modes is refused, also where the loads are moments on bodies.
+#[test]
+fn responses_under_loads_without_potential_are_refused() {
+    let mut turned = strip(ElementKind::Ems, [8, 2], 0.0);
+    turned.conditions = vec![clamped("u_min")];
+    turned.bodies = vec![hub("tip", [LENGTH_OF_STRIP, 0.1, 0.0], &["u_max"])];
+    turned.loads = vec![Load::Moment(VectorLoad::new("tip", [0.06, 0.05, 0.0]))];
+    let (_, system, outcome) = solve(&turned);
+    let mut options = ModalAnalysis::new(4);
+    options.inputs = vec![ResponseInput { name: "moment".into(), loads: turned.loads.clone() }];
+    let refused = modal::run_with_inputs(&system, &options, Some(&outcome.state), &mut Notes::default());
+    assert!(refused.unwrap_err().to_string().contains("no potential"));
+}
