@@ -125,16 +125,7 @@ pub(super) fn shear_of_equilibrium(
 ) -> Option<Vector2<f64>> {
     let turn = section.layer_axis(layer, frame);
     match &section.resultant {
-        Resultant::Laminate(laminate) => {
-            let of_section = turn - layer.angle;
-            let gamma = laminate.stiffness(of_section).shear.try_inverse()? * q;
-            let states = laminate.recover(of_section, &Vector3::zeros(), &Vector3::zeros(), &gamma);
-            let ply = states.get(number)?;
-            let places = [ply.bottom, ply.middle, ply.top];
-            let nearest =
-                places.into_iter().min_by(|a, b| (a.height - z).abs().total_cmp(&(b.height - z).abs()))?;
-            Some(nearest.shear_stress)
-        }
+        Resultant::Laminate(laminate) => laminate.shear_stress(turn - layer.angle, (number, z), q),
         Resultant::Isotropic(_) => {
             let zeta = 2.0 * (z - section.offset) / section.thickness;
             Some(shear_turn(turn) * q * (1.5 / section.thickness * (1.0 - zeta * zeta)))

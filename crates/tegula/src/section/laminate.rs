@@ -234,6 +234,19 @@ impl Laminate {
         self.plies.iter().enumerate().map(state).collect()
     }
 
+    /// Transverse shear stresses τ13, τ23 of ply k at a height above the reference surface, in its own axes, which equilibrium over the thickness makes of
+    /// the shear forces q of a frame from whose x axis the 0° direction is turned by `turn` (rad).
+    pub fn shear_stress(
+        &self,
+        turn: f64,
+        (k, height): (usize, f64),
+        q: &Vector2<f64>,
+    ) -> Option<Vector2<f64>> {
+        let ply = self.plies.get(k)?;
+        let along = self.profile.at(ply, k, &self.heights, height - self.offset);
+        Some(shear_turn(ply.angle) * (along * (shear_turn(turn) * q)))
+    }
+
     /// Height of the mid-plane of ply k above the reference surface.
     fn middle_of(&self, k: usize) -> f64 {
         0.5 * (self.heights[k] + self.heights[k + 1]) + self.offset
