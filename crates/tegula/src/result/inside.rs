@@ -69,7 +69,9 @@ impl<'a> Snapshot<'a> {
         let Self { system, state, factors, .. } = self;
         let elements = &system.groups[group];
         let (tau, linear) = (elements.retardation_time(), system.sections[shell.section].section.is_linear());
-        if tau == 0.0 || state.v.is_empty() || self.small.is_some() || !linear {
+        // A static step behind a motion begins with its velocities, which act no more.
+        let moves = system.moves() && !state.v.is_empty();
+        if tau == 0.0 || !moves || self.small.is_some() || !linear {
             return None;
         }
         let motion = Motion::State { u: &state.u, velocity: Some(&state.v) };
