@@ -141,7 +141,7 @@ fn analyse(
     };
     if let Some(mut first) = first.filter(|_| state.is_none()) {
         if first.path.is_some() {
-            first.negative_pivots = path::negative_eigenvalues(system, &first)?;
+            first.negative_pivots = path::ArcLengthSteps::negative_eigenvalues(system, &first)?;
         }
         recorder.record_start(&first, &statics::first_energies(system, &first), start.end)?;
     }

@@ -206,9 +206,6 @@ pub(super) fn find_multipliers(
     state: &mut State,
     (unbalanced, penalty): (&[Nodal], f64),
 ) -> bool {
-    if system.joints.is_empty() {
-        return true;
-    }
     let mut free = vec![0.0; system.unknowns()];
     assembly.frames.reduce(unbalanced, &mut free);
     // Forces times the length of the model and moments count alike.

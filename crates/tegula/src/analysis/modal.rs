@@ -139,8 +139,7 @@ pub fn run_with_inputs(
             "leave the inputs or the centrifugal load out",
         ));
     }
-    let is_circulatory = outcome.modes.iter().any(|mode| mode.complex.is_some());
-    if is_circulatory || equilibrium.and_then(|state| circulatory::stiffness(system, state)).is_some() {
+    if outcome.modes.iter().any(|mode| mode.complex.is_some()) {
         return Err(circulatory::with_inputs());
     }
     if outcome.modes.len() < problem.rigid.len() {
@@ -201,23 +200,18 @@ fn modes_about(
         return Ok((outcome, all));
     };
     circulatory::refuse_loads_of_unknown_stiffness(system, state)?;
-    let spin = Spin::of(system, state.time).filter(|spin| spin.omega != 0.0);
-    let skew = circulatory::stiffness(system, state);
-    let whole = || Some(circulatory::whole_stiffness(system, state)).filter(|stiffness| !stiffness.is_zero());
-    if spin.is_some() || (skew.is_some() && !system.joints.is_empty()) {
-        let parts = SkewParts { spin, circulatory: whole() };
+    let circulatory = circulatory::stiffness(system, state);
+    if let Some(spin) = Spin::of(system, state.time).filter(|spin| spin.omega != 0.0) {
+        let parts = SkewParts { spin: Some(spin), circulatory };
         return Ok((complex_modes::modes(problem, (wanted, &parts), None, observer)?, false));
     }
     // Modes just above the wanted ones couple with them most.
-    let coupled = if skew.is_some() { COUPLED } else { 0 };
+    let coupled = if circulatory.is_some() { COUPLED } else { 0 };
     let (mut outcome, all) = lowest_modes(problem, (wanted, coupled), observer)?;
-    let modes = &outcome.modes;
-    let changed = match &skew {
-        Some(skew) => circulatory::matters(problem, skew, modes, wanted)?,
-        None => false,
-    };
-    if changed || circulatory::moments_matter(system, state, &modes[..wanted.min(modes.len())]) {
-        let parts = SkewParts { spin: None, circulatory: whole() };
+    if let Some(stiffness) = circulatory
+        && circulatory::matters(problem, &stiffness, &outcome.modes, wanted)?
+    {
+        let parts = SkewParts { spin: None, circulatory: Some(stiffness) };
         let known = Some(std::mem::take(&mut outcome.modes));
         return Ok((complex_modes::modes(problem, (wanted, &parts), known, observer)?, false));
     }

@@ -62,7 +62,7 @@ fn size_of_forces(system: &System, forces: &[Nodal]) -> f64 {
 }
 
 /// Scale of each unknown: 1/length of positions, 1 of directors and rotations.
-fn scales(system: &System, frames: &LocalFrames) -> Vec<f64> {
+pub(super) fn scales(system: &System, frames: &LocalFrames) -> Vec<f64> {
     let mut scales = vec![1.0; system.unknowns()];
     for number in unknowns_of(system, frames.dofs(), VectorKind::Position) {
         scales[number as usize] = 1.0 / system.length;

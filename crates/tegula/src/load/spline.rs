@@ -38,28 +38,33 @@ impl Spline {
 
     /// Ends at which the second derivative jumps to zero, by more than round-off of the values.
     pub fn acceleration_jumps(&self) -> impl Iterator<Item = f64> {
-        let last = self.points.len() - 1;
-        [(0, 0), (last, last - 1)].into_iter().filter_map(|(end, piece)| {
+        [0, self.points.len() - 1].into_iter().filter_map(|end| {
+            let piece = end.saturating_sub(1);
             let ((t0, y0, r0), (t1, y1, r1)) = (self.points[piece], self.points[piece + 1]);
-            let (h, slope) = (t1 - t0, (y1 - y0) / (t1 - t0));
-            let half = if end == 0 { 3.0 * slope - 2.0 * r0 - r1 } else { r0 + 2.0 * r1 - 3.0 * slope };
+            let h = t1 - t0;
             let size = y0.abs() + y1.abs() + h * (r0.abs() + r1.abs());
-            (half.abs() * h > ROUND_OFF * size).then_some(self.points[end].0)
+            (0.5 * self.acceleration_at_end(end).abs() * h * h > ROUND_OFF * size)
+                .then_some(self.points[end].0)
         })
+    }
+
+    /// Second derivative at the first or the last point, inside.
+    fn acceleration_at_end(&self, end: usize) -> f64 {
+        let piece = end.saturating_sub(1);
+        let ((t0, y0, r0), (t1, y1, r1)) = (self.points[piece], self.points[piece + 1]);
+        let (h, slope) = (t1 - t0, (y1 - y0) / (t1 - t0));
+        let half = if end == 0 { 3.0 * slope - 2.0 * r0 - r1 } else { r0 + 2.0 * r1 - 3.0 * slope };
+        2.0 * half / h
     }
 
     /// Second derivative just before a time: at either end that of the other side.
     pub fn acceleration_before(&self, t: f64) -> f64 {
         let last = self.points.len() - 1;
-        if t == self.points[0].0 {
-            return 0.0;
+        match t {
+            t if t == self.points[0].0 => 0.0,
+            t if t == self.points[last].0 => self.acceleration_at_end(last),
+            t => self.at(t)[2],
         }
-        if t == self.points[last].0 {
-            let ((t0, y0, r0), (t1, y1, r1)) = (self.points[last - 1], self.points[last]);
-            let h = t1 - t0;
-            return (2.0 * r0 + 4.0 * r1 - 6.0 * (y1 - y0) / h) / h;
-        }
-        self.at(t)[2]
     }
 
     /// Value at a time with its first and second derivative.

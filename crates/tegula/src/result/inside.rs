@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
 
+use crate::Mat3;
 use crate::analysis::State;
 use crate::element::curved_strain::CurvedStrain;
 use crate::element::geometry::cross_section_frame;
@@ -15,7 +16,6 @@ use crate::model::{PrescribedStrain, acting_strains};
 use crate::section::CompiledSection;
 use crate::section::compiled::Layer;
 use crate::system::{EvaluationPoint, Shell, System};
-use crate::{Mat3, Vec3};
 
 /// Snapshot for the recovery of stresses: state of a model, or a small motion about that state.
 ///
@@ -50,17 +50,6 @@ impl<'a> Snapshot<'a> {
         let motion = Motion::State { u: &self.state.u, velocity: self.small };
         let Self { system, state, factors, .. } = self;
         EvaluationPoint::new(system, motion, state.time, &state.history).of_group(system, group, factors)
-    }
-
-    /// Geometry of a shell at the state.
-    pub fn current_geometry(&self, shell: &Shell) -> ShellGeometry {
-        let Self { system, state, .. } = self;
-        let vectors = system.groups[shell.groups.start].vectors(shell.member);
-        let at = |a: usize| {
-            let v = vectors[a] as usize;
-            Vec3::from(system.coordinates.reference[v]) + Vec3::from(state.u[v])
-        };
-        ShellGeometry::new(std::array::from_fn(at), std::array::from_fn(|a| at(4 + a)))
     }
 
     /// Strain rates of an element of a group at the state, times the retardation time of its material: what they add to the strains from

@@ -99,7 +99,8 @@ fn element(
     let inside = Inside::after(snapshot, shell, last)?;
     let centre = cross_section_frame(&geometry.base(0.0, 0.0, 0.0))?;
     let current =
-        cross_section_frame(&snapshot.current_geometry(shell).base(0.0, 0.0, 0.0)).unwrap_or(centre);
+        cross_section_frame(&snapshot.system.current_geometry(shell, &snapshot.state.u).base(0.0, 0.0, 0.0))
+            .unwrap_or(centre);
     let mut out = ShellResult { axes: centre.into(), current_axes: current.into(), ..ShellResult::default() };
     let points = shell_element.surface_points();
     let stresses = inside.point_stresses();

@@ -213,11 +213,11 @@ impl Laminate {
     ) -> Vec<PlyState> {
         let resultant = self.shear * shear_turn(turn) * shear;
         let state = |(k, p): (usize, &Ply)| {
-            let (t, r) = (strain_turn(p.angle + turn), shear_turn(p.angle));
+            let t = strain_turn(p.angle + turn);
             let point = |z: f64| {
                 let height = z + self.offset;
                 let strain = t * (membrane - curvature * height);
-                let shear_stress = r * self.profile.at(p, k, &self.heights, z) * resultant;
+                let shear_stress = self.shear_in_ply(k, z, &resultant);
                 // `Laminate::new` has checked that the shear moduli have an inverse.
                 let flexibility = p.shear.try_inverse().unwrap_or_else(Matrix2::zeros);
                 PlyPoint {
@@ -242,9 +242,13 @@ impl Laminate {
         (k, height): (usize, f64),
         q: &Vector2<f64>,
     ) -> Option<Vector2<f64>> {
-        let ply = self.plies.get(k)?;
-        let along = self.profile.at(ply, k, &self.heights, height - self.offset);
-        Some(shear_turn(ply.angle) * (along * (shear_turn(turn) * q)))
+        (k < self.plies.len()).then(|| self.shear_in_ply(k, height - self.offset, &(shear_turn(turn) * q)))
+    }
+
+    /// Transverse shear stresses of ply k at a height above the middle, in its own axes, of shear forces in the axes of the section.
+    fn shear_in_ply(&self, k: usize, z: f64, resultant: &Vector2<f64>) -> Vector2<f64> {
+        let ply = &self.plies[k];
+        shear_turn(ply.angle) * self.profile.at(ply, k, &self.heights, z) * resultant
     }
 
     /// Height of the mid-plane of ply k above the reference surface.

@@ -31,6 +31,7 @@ mod procedure;
 mod reduction;
 pub mod rigid_patch;
 mod sensors;
+mod shell_geometry;
 pub mod supports;
 
 use std::ops::Range;
@@ -39,7 +40,7 @@ use std::sync::Arc;
 use crate::Vec3;
 use crate::constraint::{Bushing, CoordinateState, DriveValue, Joint, Sensor, Spring, TorsionSpring};
 use crate::element::shell::ShellElement;
-use crate::element::{ElementGroup, Nodal, ShellGeometry};
+use crate::element::{ElementGroup, Nodal};
 use crate::load::{CentrifugalLoad, FollowerLoad, LoadFactor, LoadParameter, Signal, TimeFunction};
 use crate::mesh::Labels;
 use crate::mesh::folds::Folds;
@@ -266,13 +267,6 @@ impl System {
     /// Pattern of the tangent and of the mass of the free degrees of freedom.
     pub fn tangent_pattern(&self) -> SymmetricPattern {
         self.pattern.compressed(&self.frames)
-    }
-
-    /// Reference geometry of a shell.
-    pub fn geometry(&self, shell: &Shell) -> ShellGeometry {
-        let vectors = self.groups[shell.groups.start].vectors(shell.member);
-        let at = |a: usize| Vec3::from(self.coordinates.reference[vectors[a] as usize]);
-        ShellGeometry::new(std::array::from_fn(at), std::array::from_fn(|a| at(4 + a)))
     }
 
     /// Number of nodal vectors.

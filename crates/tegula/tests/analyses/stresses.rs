@@ -1,16 +1,20 @@
 //! Stresses of shells against closed forms: sandwiches, rolled strips, strain-rate damping; faces of laminates with an offset.
 
 use serde_json::json;
+use tegula::System;
+use tegula::Vec3;
 use tegula::analysis::{Silent, State, dynamics, statics};
+use tegula::mesh::generators;
 use tegula::model::{Analysis, Model};
-use tegula::result::recover;
-use tegula::{System, compile, mesh};
+use tegula::norm::larger;
+use tegula::result::{recover, sensor_values};
+
+use crate::common::compile;
 
 /// The system of a model and its last state.
 fn run(model: serde_json::Value) -> (System, State) {
     let model: Model = serde_json::from_value(model).unwrap();
-    let mesh = mesh::generators::generate(&model.mesh).unwrap();
-    let system = compile::build(&model, &mesh).unwrap();
+    let (_, system) = compile(&model);
     let state = match &model.analysis {
         Analysis::Static(options) => statics::run(&system, options, None, &mut Silent).unwrap().state,
         Analysis::Transient(options) => dynamics::run(&system, options, None, &mut Silent).unwrap().state,
@@ -114,8 +118,8 @@ fn gauges_lie_between_the_faces_of_a_laminate_with_an_offset() {
             "sensors": [{ "type": "strain", "name": "g", "on": "all", "at": [0.6, 0.6, height], "direction": [1, 0, 0] }]
         }))
         .unwrap();
-        let mesh = mesh::generators::generate(&model.mesh).unwrap();
-        compile::build(&model, &mesh).map(|_| ()).map_err(|error| error.to_string())
+        let mesh = generators::generate(&model.mesh).unwrap();
+        tegula::compile::build(&model, &mesh).map(|_| ()).map_err(|error| error.to_string())
     };
     for height in [0.0, 0.05, 0.1] {
         assert_eq!(built(height), Ok(()), "{height}");
@@ -148,9 +152,8 @@ fn a_sandwich_without_shear_correction_is_warned_of() {
     };
     let warnings = |value: serde_json::Value| {
         let model: Model = serde_json::from_value(value).unwrap();
-        let mesh = mesh::generators::generate(&model.mesh).unwrap();
-        let system = compile::build(&model, &mesh).unwrap();
-        compile::warnings(&model, &mesh, &system)
+        let (mesh, system) = compile(&model);
+        tegula::compile::warnings(&model, &mesh, &system)
     };
     let told = warnings(model(None));
     let told = told.iter().find(|issue| issue.place.key == "sections[0].shear_correction").unwrap();
@@ -165,4 +168,42 @@ fn a_sandwich_without_shear_correction_is_warned_of() {
         force * length.powi(3) / (3.0 * bending) + force * length / (25e6 * distance * distance / core);
     let lifted = (0..system.vectors()).map(|v| state.u[v][2]).fold(0.0, tegula::norm::larger);
     assert!((lifted / exact - 1.0).abs() < 0.02, "{lifted} {exact} {factors:?}");
+}
+
+/// A long tube of the ratio R/h = 10 under internal pressure, in plane strain along its axis without Poisson's effect: the hoop stress E u/r is greater at the
+/// inner face. The strain ε − z κ of the elements `ems` has the gradient of the stretch of the curved surface the other way round, by h/R between the
+/// faces, and the right mean; strain gauges have the exact one.
+#[test]
+fn the_stress_gradient_in_the_wall_of_a_tube_is_mirrored_and_that_of_gauges_is_not() {
+    let [radius, h, young] = [1.0, 0.1, 1e9];
+    let edge = |on: &str, position: [&str; 2], director: &str| json!({ "type": "fix", "on": on, "position": position, "director": [director, position[1]] });
+    let gauge = |name: &str, r: f64| {
+        let at = [r * 0.5_f64.sqrt(), 0.05, r * 0.5_f64.sqrt()];
+        json!({ "type": "strain", "name": name, "on": "all", "at": at, "direction": [1.0, 0.0, -1.0] })
+    };
+    let (system, state) = run(json!({
+        "analysis": { "type": "static", "linear": true },
+        "mesh": { "type": "cylinder", "axis": [0, 1, 0], "start": [1, 0, 0], "radius": radius, "angles": [0.0, -90.0], "length": 0.1, "grid": { "elements": [40, 1] } },
+        "materials": { "m": { "type": "isotropic", "young": young, "poisson": 0.0 } },
+        "sections": [{ "material": "m", "thickness": h }],
+        "conditions": [edge("u_min", ["z", "y"], "z"), edge("u_max", ["x", "y"], "x")],
+        "loads": [{ "type": "pressure", "value": -1e3 }],
+        "sensors": [gauge("inner", 0.999 * (radius - 0.5 * h)), gauge("outer", 0.999 * (radius + 0.5 * h))]
+    }));
+    let shell = 20;
+    let geometry = system.geometry(&system.shells[shell]);
+    let outwards =
+        geometry.directors[0].dot(&Vec3::new(geometry.positions[0].x, 0.0, geometry.positions[0].z)) > 0.0;
+    let found = &recover(&system, &state)[shell];
+    let [top, bottom] = [found.stress_top, found.stress_bottom].map(|s| larger(s[0].abs(), s[1].abs()));
+    let [outer, inner] = if outwards { [top, bottom] } else { [bottom, top] };
+    let mean = 0.5 * (outer + inner);
+    // E u/r with the radius of the middle: 1 ∓ h/2R at the faces.
+    let variation = |[outer, inner]: [f64; 2]| (outer - inner) / mean / (h / radius);
+    let [at_inner, at_outer] = sensor_values(&system, &state)[..] else { panic!("two gauges") };
+    let gauges = variation([young * at_outer.abs(), young * at_inner.abs()]);
+    assert!((variation([outer, inner]) - 1.0).abs() < 0.02, "{outer} {inner}");
+    assert!((gauges + 0.999).abs() < 0.02, "{at_inner} {at_outer}");
+    // Hoop force p R, at the mean radius on which the pressure acts.
+    assert!((mean / (1e3 * radius / h) - 1.0).abs() < 0.01, "{mean}");
 }

@@ -155,10 +155,15 @@ impl DriveRates {
 
     /// Looks at drives that follow signals, at the end of a step. Returns a warning about the first one about whose rate velocities alternate.
     pub fn look_at_signals(&mut self, system: &System, state: &State) -> Option<String> {
-        let alternating: Vec<usize> =
-            self.signals.iter_mut().filter_map(|w| w.look(system, state).then_some(w.joint)).collect();
-        let first = *alternating.first().filter(|_| !self.told)?;
-        self.told = true;
+        let mut alternating = None;
+        for watch in &mut self.signals {
+            if watch.look(system, state) {
+                alternating = alternating.or(Some(watch.joint));
+            }
+        }
+        let first = alternating?;
+        // One warning is enough.
+        self.signals.clear();
         Some(format!(
             "the velocities alternate about the rate of the drive \"{}\": its signal has changed its rate at once, and the velocities, the kinetic energy, the \
              work and the reactions are wrong from then on; let the rate of the signal change over several steps",

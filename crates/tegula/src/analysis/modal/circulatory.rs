@@ -26,21 +26,14 @@ use tegula_sparse::norm::larger;
 
 /// Change of an eigenvalue λ = ω² by N, over λ, up to which N is neglected: that of a frequency is half of it.
 const NEGLIGIBLE: f64 = 2e-3;
+/// Imaginary part of an eigenvalue over λ from which on N is not neglected, since the vibration grows: the growth rate over the frequency is half of it.
+const GROWING: f64 = 1e-8;
 
-/// Circulatory stiffness of all follower loads at an equilibrium.
-pub(super) fn whole_stiffness(system: &System, equilibrium: &State) -> CirculatoryStiffness {
-    at(CirculatoryStiffness::new(system), system, equilibrium)
-}
-
-fn at(mut skew: CirculatoryStiffness, system: &System, equilibrium: &State) -> CirculatoryStiffness {
+/// Circulatory stiffness of the follower loads at an equilibrium; `None` where they have a potential.
+pub(super) fn stiffness(system: &System, equilibrium: &State) -> Option<CirculatoryStiffness> {
+    let mut skew = CirculatoryStiffness::new(system);
     let parts = TangentCoefficients { weights: TangentWeights::STATIC, mass: 0.0, time: equilibrium.time };
     skew.take(system, &Motion::State { u: &equilibrium.u, velocity: None }, &parts);
-    skew
-}
-
-/// Circulatory stiffness of the follower loads at an equilibrium; `None` where they have a potential. Moments on bodies are judged by the modes.
-pub(super) fn stiffness(system: &System, equilibrium: &State) -> Option<CirculatoryStiffness> {
-    let skew = at(CirculatoryStiffness::without_moments_on_bodies(system), system, equilibrium);
     let frames = crate::analysis::equilibrium::frames(system, equilibrium);
     let place = Place { u: &equilibrium.u, time: equilibrium.time, frames: &frames };
     (!have_potential(system, &place, skew.clone(), &[])).then_some(skew)
@@ -96,24 +89,7 @@ pub(super) fn with_inputs() -> Error {
     }
 }
 
-/// Whether bodies turn about other axes than those of moments on them that are constant in space, in a mode: the work of the skew stiffness of such
-/// moments is more than 0.2 % of that of the stiffness.
-pub(super) fn moments_matter(system: &System, state: &State, modes: &[Mode]) -> bool {
-    let mut inertia = vec![[0.0; 3]; system.vectors()];
-    modes.iter().any(|mode| {
-        let factor = |load: &crate::load::LoadFactor| system.factor(load, state.time);
-        let skew = system.skew_work_of_moments(&state.u, &mode.shape, factor);
-        if skew == 0.0 {
-            return false;
-        }
-        inertia.fill([0.0; 3]);
-        system.pattern.add_mass_product(1.0, &mode.shape, &mut inertia);
-        let stiffness = mode.omega.powi(2) * crate::system::dot(&inertia, &mode.shape);
-        !(skew <= NEGLIGIBLE * stiffness)
-    })
-}
-
-/// Whether the circulatory stiffness would change the frequency of an elastic one of the first `wanted` modes by more than 0.1 %.
+/// Whether the circulatory stiffness would change the frequency of an elastic one of the first `wanted` modes by more than 0.1 %, or let a vibration grow.
 ///
 /// # Errors
 /// The shifted stiffness cannot be factored.
@@ -159,6 +135,7 @@ pub(super) fn matters(
         .map(|(product, lambda)| {
             let mut response = product.clone();
             problem.newton.solver.solve(&mut response);
+            problem.constrain(&mut response);
             (dot(product, &response) / lambda).abs()
         })
         .collect();
@@ -174,5 +151,6 @@ pub(super) fn matters(
         *change = larger(*change, nearest.unwrap_or(f64::NAN) / lambda.abs());
     }
     let largest = changes.iter().copied().reduce(larger).unwrap_or(f64::NAN);
-    Ok(!(largest <= NEGLIGIBLE))
+    let grows = found.iter().any(|z| z.im.abs() > GROWING * z.re.abs());
+    Ok(grows || !(largest <= NEGLIGIBLE))
 }

@@ -75,25 +75,27 @@ impl SkewParts {
         self.spin.map_or(0.0, |spin| spin.omega)
     }
 
-    /// `[G x, N x]` in the free degrees of freedom.
-    fn products(&self, problem: &Problem, x: &[f64]) -> [Vec<f64>; 2] {
+    /// `[(K + N) x, M x, G x]` in the free degrees of freedom.
+    fn products(&self, problem: &Problem, x: &[f64]) -> [Vec<f64>; 3] {
+        let mut stiffness = times(problem, &problem.stiffness, x);
+        if let Some(circulatory) = &self.circulatory {
+            let mut product = vec![0.0; x.len()];
+            circulatory.product(&problem.newton.assembly.frames, x, &mut product);
+            stiffness.iter_mut().zip(product).for_each(|(sum, x)| *sum += x);
+        }
         let gyroscopic =
             self.spin.as_ref().map_or_else(|| vec![0.0; x.len()], |spin| gyroscopic(problem, spin, x));
-        let mut circulatory = vec![0.0; x.len()];
-        if let Some(stiffness) = &self.circulatory {
-            stiffness.product(&problem.newton.assembly.frames, x, &mut circulatory);
-        }
-        [gyroscopic, circulatory]
+        [stiffness, times(problem, &problem.mass, x), gyroscopic]
     }
 }
 
 /// A complex vector of free degrees of freedom.
 type Pair = [Vec<f64>; 2];
 
-/// The basis, with the products of its vectors with K, M, G and N.
+/// The basis, with the products of its vectors with K + N, M and G.
 struct Basis {
     vectors: Vec<Vec<f64>>,
-    products: [Vec<Vec<f64>>; 4],
+    products: [Vec<Vec<f64>>; 3],
 }
 
 /// An eigenvalue with its vector.
@@ -218,7 +220,7 @@ fn iterate(
     let (mut least, mut stagnates) = (f64::INFINITY, 0);
     for _ in 0..MOST_ROUNDS {
         go_on(observer)?;
-        found = basis.eigenvectors(wanted, scale);
+        found = basis.eigenvectors(skew, (wanted, scale));
         let mut residuals = Vec::new();
         for mode in &mut found {
             let residual = basis.residual(problem, mode);
@@ -249,12 +251,21 @@ fn iterate(
     if let Some(worst) =
         found.iter().map(|mode| mode.residual).reduce(larger).filter(|worst| !(*worst <= TAKEN))
     {
+        let (at, help) = match &skew.spin {
+            Some(spin) => (
+                format!("an angular velocity of {}", spin.omega),
+                "Ask for a few modes more or less. A model that may move freely across the axis has double eigenvalues, which are not found: \
+                 support it.",
+            ),
+            None => (
+                "the modes".into(),
+                "Ask for a few modes more or less, or change the load a little: two modes may just meet.",
+            ),
+        };
         return Err(Error::NotConverged {
-            at: if skew.spin.is_some() { format!("an angular velocity of {}", skew.speed()) } else { "the modes".into() },
+            at,
             reason: format!("the residual of a mode is {worst:.1e}"),
-            help: "Ask for a few modes more or less. A model that may move freely across the axis has double eigenvalues, which are not found: \
-                   support it."
-                .into(),
+            help: help.into(),
         });
     }
     Ok(found)
@@ -297,22 +308,20 @@ impl Basis {
             }
             x.iter_mut().for_each(|x| *x /= size);
         }
-        self.products[0].push(times(problem, &problem.stiffness, &x));
-        self.products[1].push(times(problem, &problem.mass, &x));
-        for (list, product) in self.products[2..].iter_mut().zip(skew.products(problem, &x)) {
+        for (list, product) in self.products.iter_mut().zip(skew.products(problem, &x)) {
             list.push(product);
         }
         self.vectors.push(x);
     }
 
     /// Eigenvalues next to zero of the projected problem, with non-negative imaginary parts, and their vectors.
-    fn eigenvectors(&self, wanted: usize, scale: f64) -> Vec<Found> {
+    fn eigenvectors(&self, skew: &SkewParts, (wanted, scale): (usize, f64)) -> Vec<Found> {
         let n = self.vectors.len();
         let projected =
             |products: &[Vec<f64>]| DMatrix::from_fn(n, n, |i, j| dot(&self.vectors[i], &products[j]));
-        let [k, m, g, circulatory] = self.products.each_ref().map(|list| projected(list));
-        let circulates = circulatory.iter().any(|x| *x != 0.0);
-        let k = ((&k + k.transpose()) + (&circulatory - circulatory.transpose())) * (0.5 / (scale * scale));
+        let [k, m, g] = self.products.each_ref().map(|list| projected(list));
+        let circulates = skew.circulatory.is_some();
+        let k = if circulates { k } else { (&k + k.transpose()) * 0.5 } / (scale * scale);
         let g = (&g - g.transpose()) * (0.5 / scale);
         let shifted = (&m + &g + &k).lu();
         let solved = |a: &DMatrix<f64>| shifted.solve(a).unwrap_or_else(|| a * f64::NAN);
@@ -381,10 +390,9 @@ impl Basis {
             }
             out
         };
-        let [k, m, g, n] = [0, 1, 2, 3].map(|i| [&real, &imaginary].map(|w| product(&self.products[i], w)));
+        let [k, m, g] = [0, 1, 2].map(|i| [&real, &imaginary].map(|w| product(&self.products[i], w)));
         let mut out: Pair = [k[0].clone(), k[1].clone()];
         for i in 0..out[0].len() {
-            out.iter_mut().zip(&n).for_each(|(out, n)| out[i] += n[i]);
             out[0][i] += square.re * m[0][i] - square.im * m[1][i] + re * g[0][i] - im * g[1][i];
             out[1][i] += square.re * m[1][i] + square.im * m[0][i] + re * g[1][i] + im * g[0][i];
         }

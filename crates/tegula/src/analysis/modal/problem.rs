@@ -11,7 +11,6 @@ use crate::analysis::newton::Newton;
 use crate::analysis::{Observer, State, equilibrium};
 use crate::element::{ElementGroup, TangentWeights};
 use crate::model::NewtonMethod;
-use crate::norm::max_norm;
 use crate::system::System;
 use crate::system::assembly::TangentCoefficients;
 use crate::{Error, Result};
@@ -22,8 +21,6 @@ use tegula_sparse::{Factor as _, SymmetricPattern};
 const APART: f64 = 1e4;
 /// First shift as a part of the lowest ratio of the diagonals of K and M.
 const FIRST_SHIFT: f64 = 1e-10;
-/// Forces of springs in the reference configuration, over the stiffness times the size of the model, that are round-off.
-const BALANCED: f64 = 1e-10;
 /// Number of times that the first shift is multiplied by 100 before the matrix counts as indefinite.
 const ATTEMPTS: usize = 12;
 
@@ -110,13 +107,8 @@ impl<'a> Problem<'a> {
             let mut forces = vec![[0.0; 3]; system.vectors()];
             newton.assembly.forces(system, &k, &mut forces);
             forces.as_flattened_mut().iter_mut().for_each(|f| *f = -*f);
-            balanced = if system.joints.is_empty() {
-                let mut free = vec![0.0; system.unknowns()];
-                newton.assembly.frames.reduce(&forces, &mut free);
-                max_norm(free.iter().copied()) <= BALANCED * penalty * system.length
-            } else {
-                equilibrium::find_multipliers(system, &newton.assembly, &mut state, (&forces, penalty))
-            };
+            balanced =
+                equilibrium::find_multipliers(system, &newton.assembly, &mut state, (&forces, penalty));
         }
         let strained = system.prescribed_strains.iter().any(|p| system.factor(&p.factor, state.time) != 0.0);
         let linear = system.sections.iter().all(|s| s.section.is_linear());

@@ -3,6 +3,7 @@
 
 use super::{Constraints, Newton, expand_free};
 use crate::analysis::circulatory::{CirculatoryLoads, Purpose};
+use crate::analysis::potential::scales;
 use crate::analysis::solver::TangentSolver;
 use crate::analysis::statics::StaticEquation;
 use crate::analysis::unstable_modes::UnstableModes;
@@ -177,7 +178,9 @@ impl<S: TangentSolver> Newton<S> {
     }
 
     /// Eigenvalues next to zero of the tangent of the equilibrium found last, with the circulatory part of follower
-    /// loads: Arnoldi process on `(K + N)⁻¹ D`, D the metric of [`System::norm`].
+    /// loads: Arnoldi process on `(K + N)⁻¹ M` with the mass matrix, whose real negative eigenvalues are those of motions that grow without
+    /// vibrating. Of a model without mass they are not defined, where two of them may pass through zero; D, the metric of [`System::norm`], takes the place of M
+    /// there. Vectors are without unit.
     ///
     /// # Errors
     /// The linear solver failed.
@@ -195,13 +198,25 @@ impl<S: TangentSolver> Newton<S> {
             last = now;
             found.real_negative || without == LOOKS_WITHOUT
         };
-        let (mut force, mut right) = (vec![[0.0; 3]; system.vectors()], vec![0.0; size]);
+        let scales = scales(system, &self.frames);
+        let has_mass = system.total_mass() > 0.0;
+        let (mut moved, mut force) = (vec![[0.0; 3]; system.vectors()], vec![[0.0; 3]; system.vectors()]);
+        let (mut free, mut right) = (vec![0.0; size], vec![0.0; size]);
         arnoldi.ritz_values(&start, EIGENVALUE_STEPS, &mut looked, |v, out| {
-            expand_free(&self.frames, v, false, &mut force);
-            system.apply_metric(&mut force);
+            free.iter_mut().zip(v.iter().zip(&scales)).for_each(|(x, (v, scale))| *x = v / scale);
+            expand_free(&self.frames, &free, false, &mut moved);
+            if has_mass {
+                force.fill([0.0; 3]);
+                system.pattern.add_mass_product(1.0, &moved, &mut force);
+            } else {
+                force.copy_from_slice(&moved);
+                system.apply_metric(&mut force);
+            }
             self.frames.reduce(&force, &mut right);
             let linear = self.linear_system();
-            linear.solve(&right, out, Some(Purpose::Eigenvalues), Constraints::constrain)
+            linear.solve(&right, out, Some(Purpose::Eigenvalues), Constraints::constrain)?;
+            out.iter_mut().zip(&scales).for_each(|(x, scale)| *x *= scale);
+            Ok::<(), String>(())
         })?;
         Ok(found)
     }

@@ -145,6 +145,18 @@ impl<'a> ArcLengthSteps<'a> {
         })
     }
 
+    /// Number of negative eigenvalues of the tangent at the first state of a path, which an analysis step before may have left unstable; 0 where the
+    /// tangent has no factor, where the path does not begin.
+    ///
+    /// # Errors
+    /// There is not enough memory.
+    pub fn negative_eigenvalues(system: &'a System, state: &State) -> Result<usize> {
+        let mut steps = Self::new(system, &PathAnalysis::default(), Some(state.clone()))?;
+        steps.go_back();
+        let Self { newton, equation, .. } = &mut steps;
+        Ok(newton.negative_pivots(system, equation, &state.history).unwrap_or(0))
+    }
+
     /// Path behind other steps, from their last state.
     ///
     /// # Errors
@@ -443,6 +455,9 @@ impl Stepper for ArcLengthSteps<'_> {
         }
         let before = self.statistics.iterations;
         let start = self.state.step == 0 && self.path().is_some_and(|path| path.arc.is_none());
+        if start {
+            flutter::look_at_start(self.system, &mut self.state, observer);
+        }
         if let Some(direction) = away_from_critical_point(self.system, &self.options).filter(|_| start) {
             let outcome = self.step_away(direction, observer);
             let outcome = outcome.map_err(|reason| not_continued(self.system, &self.state, &reason))?;

@@ -32,7 +32,6 @@ mod state;
 
 pub use arc_length::ArcLengthSteps;
 pub use series_steps::SeriesSteps;
-pub use start::negative_eigenvalues;
 pub use state::{ArcStart, CriticalKind, CriticalPoint, ExpansionPoint, PathState};
 
 use super::{Balance, Observer, State, Statistics, Stepper, Stopped, stepper};

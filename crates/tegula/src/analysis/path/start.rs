@@ -3,8 +3,6 @@
 use super::state::one_of_many;
 use crate::Result;
 use crate::analysis::mobility::{is_searched, neutral_motions};
-use crate::analysis::newton::Newton;
-use crate::analysis::statics::StaticEquation;
 use crate::analysis::{State, equilibrium};
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
@@ -14,29 +12,6 @@ use crate::system::{Assembly, PathBefore, System, add_multiple};
 /// Unbalanced force over the forces with which a path does not begin, and over the loads and the stiffness times the size of the model, below
 /// which it is round-off.
 const UNBALANCED: [f64; 2] = [1e-5, 1e-12];
-
-/// Number of negative eigenvalues of the tangent at the first state of a path, which an analysis step before may have left unstable; 0 where the tangent
-/// has no factor, where the path does not begin.
-///
-/// # Errors
-/// There is not enough memory.
-pub fn negative_eigenvalues(system: &System, state: &State) -> Result<usize> {
-    let mut newton = Newton::new(system, None)?;
-    newton.restore(system, state, true);
-    let equation = StaticEquation {
-        penalty: equilibrium::penalty(system, &mut newton.assembly, state),
-        u: state.u.clone(),
-        multipliers: state.multipliers.clone(),
-        angles: state.angles.clone(),
-        time: state.time,
-        ..StaticEquation::default()
-    };
-    if let Some(constraints) = &mut newton.constraints {
-        constraints.pass_critical_points();
-    }
-    newton.count_turns(system, state);
-    Ok(newton.negative_pivots(system, &equation, &state.history).unwrap_or(0))
-}
 
 /// Refuses the end of a path where a mechanism may move to other equilibria freely. Before, loads may still be zero that hold the motion.
 ///
