@@ -128,7 +128,7 @@ fn modes_under_loads_without_potential_are_those_of_the_whole_tangent() {
         |value| Load::Pressure(PressureLoad { on: "all".into(), value, amplitude: None, distribution: None });
     let mut turned = pressed.clone();
     turned.bodies = vec![hub("tip", [LENGTH_OF_STRIP, 0.1, 0.0], &["u_max"])];
-    turned.loads = vec![Load::Moment(VectorLoad::new("tip", [0.06, 0.05, 0.0]))];
+    turned.loads = vec![Load::Moment(VectorLoad::new("tip", [0.6, 0.5, 0.0]))];
     pressed.loads = vec![pressure(30.0)];
     let mut heavily = pressed.clone();
     heavily.loads = vec![pressure(100.0)];
@@ -176,7 +176,7 @@ fn responses_under_loads_without_potential_are_refused() {
     let mut turned = strip(ElementKind::Ems, [8, 2], 0.0);
     turned.conditions = vec![clamped("u_min")];
     turned.bodies = vec![hub("tip", [LENGTH_OF_STRIP, 0.1, 0.0], &["u_max"])];
-    turned.loads = vec![Load::Moment(VectorLoad::new("tip", [0.06, 0.05, 0.0]))];
+    turned.loads = vec![Load::Moment(VectorLoad::new("tip", [0.6, 0.5, 0.0]))];
     let (_, system, outcome) = solve(&turned);
     let mut options = ModalAnalysis::new(4);
     options.inputs = vec![ResponseInput { name: "moment".into(), loads: turned.loads.clone() }];

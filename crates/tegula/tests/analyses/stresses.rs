@@ -188,7 +188,7 @@ fn the_stress_gradient_in_the_wall_of_a_tube_is_mirrored_and_that_of_gauges_is_n
         "sections": [{ "material": "m", "thickness": h }],
         "conditions": [edge("u_min", ["z", "y"], "z"), edge("u_max", ["x", "y"], "x")],
         "loads": [{ "type": "pressure", "value": -1e3 }],
-        "sensors": [gauge("inner", 0.999 * (radius - 0.5 * h)), gauge("outer", 0.999 * (radius + 0.5 * h))]
+        "sensors": [gauge("inner", radius - 0.49 * h), gauge("outer", radius + 0.49 * h)]
     }));
     let shell = 20;
     let geometry = system.geometry(&system.shells[shell]);
@@ -203,7 +203,7 @@ fn the_stress_gradient_in_the_wall_of_a_tube_is_mirrored_and_that_of_gauges_is_n
     let [at_inner, at_outer] = sensor_values(&system, &state)[..] else { panic!("two gauges") };
     let gauges = variation([young * at_outer.abs(), young * at_inner.abs()]);
     assert!((variation([outer, inner]) - 1.0).abs() < 0.02, "{outer} {inner}");
-    assert!((gauges + 0.999).abs() < 0.02, "{at_inner} {at_outer}");
+    assert!((gauges + 0.98).abs() < 0.02, "{at_inner} {at_outer}");
     // Hoop force p R, at the mean radius on which the pressure acts.
     assert!((mean / (1e3 * radius / h) - 1.0).abs() < 0.01, "{mean}");
 }
