@@ -48,6 +48,9 @@ const ROUNDING: f64 = 1e-10;
 const MODE: f64 = 10.0;
 /// Share of drives in constraints that depend on each other, above which the mechanism cannot follow them.
 const DRIVEN: f64 = 1e-3;
+/// Size of a sum of gradients over the sum of their sizes, above which the constraints are independent: 100 times the inaccuracy with which
+/// redundant joints are placed.
+const INDEPENDENT: f64 = 1e-2;
 
 /// Number of products with a gradient that are summed together.
 const LANES: usize = 4;
@@ -206,6 +209,29 @@ impl Constraints {
             let relative = system.norm(&self.field) / size;
             let is_mode = relative * relative > MODE * pivot || of_drives > DRIVEN * whole;
             if !(pivot.abs() > ROUNDING && is_mode) {
+                break;
+            }
+            self.schur.admit_next();
+        }
+    }
+
+    /// Counts constraints as independent whose gradients, divided by the `scales` of the free degrees of freedom, are so: where the compliances of bodies
+    /// and parts differ much, their pivots in S are small, too.
+    pub fn admit_independent_gradients(&mut self, scales: &[f64]) {
+        while let Some(pivot) = self.schur.first_null_vector(&mut self.right) {
+            self.free.fill(0.0);
+            let mut sizes = 0.0;
+            for (y, gradient) in self.right.iter().zip(&self.ends).filter(|(y, _)| **y != 0.0) {
+                let mut square = 0.0;
+                for &(number, value) in gradient {
+                    let term = y * value / scales[number as usize];
+                    self.free[number as usize] += term;
+                    square += term * term;
+                }
+                sizes += square.sqrt();
+            }
+            let size = self.free.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if !(pivot.abs() > ROUNDING && size > INDEPENDENT * sizes) {
                 break;
             }
             self.schur.admit_next();

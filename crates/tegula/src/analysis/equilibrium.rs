@@ -260,6 +260,33 @@ pub(super) fn unbalanced(system: &System, assembly: &mut Assembly, state: &State
     out
 }
 
+/// Unbalanced force of a state over its forces, where it is above `least`, and above the round-off of the forces that are yet to come, whose product with the
+/// size of the model is `to_come`; `None` where the state is an equilibrium.
+pub(super) fn imbalance(
+    system: &System,
+    assembly: &mut Assembly,
+    state: &State,
+    (least, to_come): (f64, f64),
+) -> Option<f64> {
+    let unbalanced = unbalanced(system, assembly, state);
+    let external = external(system, &state.point(system));
+    let mut free = vec![0.0; system.unknowns()];
+    assembly.frames.reduce(&unbalanced, &mut free);
+    let mut internal = external.clone();
+    add_multiple(&mut internal, -1.0, &unbalanced);
+    let size = larger(system.force_norm(&external), system.force_norm(&internal));
+    let mut left = unbalanced;
+    assembly.frames.expand(&free, &mut left);
+    let largest = system.force_norm(&left);
+    if largest <= larger(least * size, UNBALANCED[1] * to_come) {
+        return None;
+    }
+    // Without stress, as where prescribed strains have bent the model freely, all forces are round-off.
+    let stiffness = mean_stiffness(system, assembly, state).unwrap_or(0.0);
+    let is_equilibrium = largest <= UNBALANCED[1] * stiffness * system.length * system.length;
+    (!is_equilibrium).then_some(largest / size)
+}
+
 /// External forces at an evaluation point.
 pub(super) fn external(system: &System, k: &EvaluationPoint) -> Vec<Nodal> {
     let mut out = vec![[0.0; 3]; system.vectors()];

@@ -23,7 +23,7 @@ mod spinning;
 mod strain_energy;
 
 use super::statics::{self, StaticOutcome};
-use super::{Observer, Silent, State, Statistics};
+use super::{Observer, Silent, State, Statistics, equilibrium};
 use crate::element::Nodal;
 use crate::model::{ModalAnalysis, StaticAnalysis};
 use crate::system::System;
@@ -58,6 +58,9 @@ const HIDDEN: f64 = 1e-2;
 /// Largest such difference of a mode apart from all others. Round-off δ of the stiffness mixes modes at the distance d by δ/d, which changes the
 /// Rayleigh quotient of the strain energy by δ²/d only: it is right as long as this is a small part of λ.
 const APART: [f64; 2] = [0.3, 1e-6];
+
+/// Unbalanced force over the forces above which a state is no equilibrium about which a model vibrates.
+const UNBALANCED: f64 = 1e-4;
 
 /// Rayleigh quotient over that of the material stiffness up to which stresses cancel this stiffness: the mode is that of a critical point.
 const NEUTRAL: f64 = 1e-7;
@@ -199,6 +202,15 @@ fn modes_about(
         }
         return Ok((outcome, all));
     };
+    let at_rest = State { v: Vec::new(), a: Vec::new(), ..state.clone() };
+    if let Some(imbalance) =
+        equilibrium::imbalance(system, &mut problem.newton.assembly, &at_rest, (UNBALANCED, 0.0))
+    {
+        observer.on_warning(&format!(
+            "the modes are those about no equilibrium: loads, inner forces and supports of this step leave {imbalance:.1e} of the forces unbalanced; \
+             let a static step before it have the same loads and supports"
+        ));
+    }
     circulatory::refuse_loads_of_unknown_stiffness(system, state)?;
     let circulatory = circulatory::stiffness(system, state);
     if let Some(spin) = Spin::of(system, state.time).filter(|spin| spin.omega != 0.0) {

@@ -371,6 +371,9 @@ fn stretching_force(system: &System, state: &State) -> f64 {
 /// Forces over that of a uniform strain of 1 below which they are the round-off of strains, summed up over a model.
 const ROUND_OFF: f64 = 1e-10;
 
+/// Arm over the size of the model, with which the forces of a balance make the least scale of its moments.
+const LEAST_ARM: f64 = 1e-6;
+
 /// Size of the forces of the earlier states of a static analysis step: its largest energy over its largest displacement.
 fn earlier_forces(system: &System, state: &State) -> f64 {
     // Displacements at round-off, as those of a restrained heated shell, are no measure.
@@ -408,11 +411,12 @@ impl Sum {
     }
 
     /// Errors of the balances of forces and moments, over the forces, or over `least` where these are smaller. Moments count as
-    /// the pairs of forces that they are at the distance `length`: the forces of a model under moments alone are round-off.
+    /// the pairs of forces that they are at the distance `length`: the forces of a model under moments alone are round-off, as are the moments of forces
+    /// along one line.
     fn errors(&self, least: f64, length: f64) -> (f64, f64) {
         let over = |sum: f64, scale: f64| if sum == 0.0 { 0.0 } else { sum / scale };
         let forces = larger(larger(self.forces, self.moments / length), least);
-        let moments = larger(self.moments, least * length);
+        let moments = larger(larger(self.moments, LEAST_ARM * length * self.forces), least * length);
         (over(self.total.force.norm(), forces), over(self.total.moment.norm(), moments))
     }
 }

@@ -8,6 +8,7 @@
 use super::rigid::{Parts, RigidModes};
 use super::strain_energy::OF_SPRINGS;
 use crate::analysis::newton::Newton;
+use crate::analysis::potential::scales;
 use crate::analysis::{Observer, State, equilibrium};
 use crate::element::{ElementGroup, TangentWeights};
 use crate::model::NewtonMethod;
@@ -88,6 +89,8 @@ pub(super) struct Problem<'a> {
     /// Group of each free degree of freedom.
     group_of: Vec<u32>,
     values: Vec<f64>,
+    /// Scale of each free degree of freedom, with which it is without unit.
+    scales: Vec<f64>,
 }
 
 impl<'a> Problem<'a> {
@@ -140,9 +143,11 @@ impl<'a> Problem<'a> {
             let coefficients = TangentCoefficients { weights, mass: 0.0, time: state.time };
             newton.assembly.stiffness_of_elements(system, &state.point(system), &coefficients)
         };
+        let scales = scales(system, &newton.assembly.frames);
         let mut out = Self {
             system,
             newton,
+            scales,
             values: vec![0.0; stiffness.len()],
             pattern: system.tangent_pattern(),
             stiffness,
@@ -249,6 +254,7 @@ impl<'a> Problem<'a> {
         let weights = TangentWeights { penalty: self.penalty, ..TangentWeights::STATIC };
         let at = (&self.state.point(self.system), &weights);
         constraints.take(self.system, at, &assembly.frames, solver).ok()?;
+        constraints.admit_independent_gradients(&self.scales);
         inertia.negative.checked_sub(constraints.negative_eigenvalues())
     }
 

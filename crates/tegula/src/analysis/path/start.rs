@@ -6,12 +6,10 @@ use crate::analysis::mobility::{is_searched, neutral_motions};
 use crate::analysis::{State, equilibrium};
 use crate::element::Nodal;
 use crate::model::PathAnalysis;
-use crate::norm::larger;
-use crate::system::{Assembly, PathBefore, System, add_multiple};
+use crate::system::{Assembly, PathBefore, System};
 
-/// Unbalanced force over the forces with which a path does not begin, and over the loads and the stiffness times the size of the model, below
-/// which it is round-off.
-const UNBALANCED: [f64; 2] = [1e-5, 1e-12];
+/// Unbalanced force over the forces with which a path does not begin.
+const UNBALANCED: f64 = 1e-5;
 
 /// Refuses the end of a path where a mechanism may move to other equilibria freely. Before, loads may still be zero that hold the motion.
 ///
@@ -33,28 +31,12 @@ pub fn in_equilibrium(
     state: &State,
     scale: f64,
 ) -> std::result::Result<(), String> {
-    let unbalanced = equilibrium::unbalanced(system, assembly, state);
-    let external = equilibrium::external(system, &state.point(system));
-    let mut free = vec![0.0; system.unknowns()];
-    assembly.frames.reduce(&unbalanced, &mut free);
-    let mut internal = external.clone();
-    add_multiple(&mut internal, -1.0, &unbalanced);
-    let size = larger(system.force_norm(&external), system.force_norm(&internal));
-    let mut left = unbalanced;
-    assembly.frames.expand(&free, &mut left);
-    let largest = system.force_norm(&left);
-    if largest <= larger(UNBALANCED[0] * size, UNBALANCED[1] * scale) {
+    let Some(imbalance) = equilibrium::imbalance(system, assembly, state, (UNBALANCED, scale)) else {
         return Ok(());
-    }
-    // Without stress, as where prescribed strains have bent the model freely, all forces are round-off.
-    let stiffness = equilibrium::mean_stiffness(system, assembly, state).unwrap_or(0.0);
-    if largest <= UNBALANCED[1] * stiffness * system.length * system.length {
-        return Ok(());
-    }
+    };
     Err(format!(
-        "its start is not in equilibrium, the residual is {:.1e} of the forces; let a static step before it find the equilibrium under \
-         preloads",
-        largest / size
+        "its start is not in equilibrium, the residual is {imbalance:.1e} of the forces; let a static step before it find the equilibrium \
+         under preloads"
     ))
 }
 
