@@ -173,14 +173,19 @@ pub fn run_with_inputs(
 
 /// Growth rate and circular frequency of the vibration about an equilibrium under follower loads that grows most, among the lowest ones; `None` where none
 /// grows, the loads have a potential or the model has no mass.
-pub(super) fn growing_vibration(system: &System, state: &State) -> Option<(f64, f64)> {
-    circulatory::stiffness(system, state)?;
-    let mut problem = Problem::new(system, Some(state)).ok()?;
-    let (found, _) = modes_about(&mut problem, WATCHED, Some(state), &mut Silent).ok()?;
+///
+/// # Errors
+/// The modes are not found.
+pub(super) fn growing_vibration(system: &System, state: &State) -> Result<Option<(f64, f64)>> {
+    if !(system.total_mass() > 0.0) || circulatory::stiffness(system, state).is_none() {
+        return Ok(None);
+    }
+    let mut problem = Problem::new(system, Some(state))?;
+    let (found, _) = modes_about(&mut problem, WATCHED, Some(state), &mut Silent)?;
     let growth = |mode: &Mode| Some((mode.complex.as_ref()?.growth, mode.omega));
     let growing =
         found.modes.iter().filter_map(growth).filter(|(growth, omega)| *growth > 0.0 && *omega > 0.0);
-    growing.max_by(|a, b| a.0.total_cmp(&b.0))
+    Ok(growing.max_by(|a, b| a.0.total_cmp(&b.0)))
 }
 
 /// The `wanted` lowest modes, complex ones of a model that turns or whose follower loads have no potential, and whether these are all.

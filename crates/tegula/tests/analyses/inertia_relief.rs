@@ -274,3 +274,24 @@ fn parts_that_hold_a_model_with_inertia_relief_are_refused() {
     };
     assert!(message(&iterative).contains("has no inertia relief"));
 }
+
+/// A free beam under a thrust at one end does not buckle: with the inertia forces as constant ones the tangent has a negative eigenvalue from 18.7 EI/L² on.
+/// Forces at both ends that balance each other let it buckle at π² EI/L².
+#[test]
+fn an_accelerating_beam_does_not_buckle_and_a_compressed_one_does() {
+    let unit = YOUNG * WIDTH * THICKNESS.powi(3) / 12.0 / (LENGTH * LENGTH);
+    let run = |forces: &[(&str, f64)]| {
+        let mut m = strip([20, 2], false);
+        let load = |(on, force): &(&str, f64)| edge(on, [force * unit / WIDTH, 0.0, 0.0]);
+        m.loads = forces.iter().map(load).collect();
+        let mut notes = Notes::default();
+        let Analysis::Static(options) = &m.analysis else { panic!("a static analysis") };
+        let (_, system) = crate::common::compile(&m);
+        statics::run(&system, options, None, &mut notes).map(|_| notes.events)
+    };
+    let thrust = run(&[("u_max", -30.0)]).unwrap();
+    assert!(thrust.iter().any(|event| event.contains("whether the equilibrium is stable is not known")));
+    assert!(run(&[("u_max", -9.5), ("u_min", 9.5)]).unwrap().is_empty());
+    let buckled = run(&[("u_max", -10.2), ("u_min", 10.2)]).unwrap_err();
+    assert!(buckled.to_string().contains("bifurcation"), "{buckled}");
+}

@@ -61,6 +61,7 @@ mod linear_solvers;
 mod load_paths;
 mod loads_in_time;
 mod long_rotations;
+mod mode_warnings;
 mod modes;
 mod modes_with_joints;
 mod multibody;

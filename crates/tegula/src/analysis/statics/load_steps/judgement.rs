@@ -11,7 +11,11 @@ use crate::analysis::statics::failure::{Failure, Kind};
 use crate::analysis::statics::{StaticEquation, equilibrium_step};
 use crate::analysis::{Observer, Stability};
 use crate::element::Nodal;
+use crate::system::assembly::add_follower_loads;
 use crate::system::{add_multiple, inverted_element};
+
+/// Inertia forces over loads and inertia forces up to which the loads balance each other.
+const SELF_BALANCED: f64 = 1e-6;
 
 impl<S: TangentSolver> LoadSteps<'_, S> {
     /// Refuses inverted elements, unstable equilibria, and equilibria that no stable path connects with the last one.
@@ -33,7 +37,12 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
             .newton
             .stability(self.system, negative)
             .map_err(|reason| Failure::new(Kind::Iteration(Cause::Tangent), reason, negative))?;
-        if matches!(stability, Stability::Unstable(_)) && !self.accepts_unstable() {
+        if matches!(stability, Stability::Unstable(_)) && self.accelerates() {
+            observer.on_event(&format!(
+                "load factor {target}: {negative} negative pivot(s) of the tangent, which has the inertia forces of `inertia_relief` as constant ones, \
+                 though they follow the loads of a model that turns: whether the equilibrium is stable is not known"
+            ));
+        } else if matches!(stability, Stability::Unstable(_)) && !self.accepts_unstable() {
             return Err(Failure::new(
                 Kind::Unstable,
                 format!(
@@ -58,6 +67,21 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
             ));
         }
         Ok(converged)
+    }
+
+    /// Whether inertia forces of a rigid acceleration balance the loads, whose change with the displacements the tangent lacks.
+    fn accelerates(&mut self) -> bool {
+        let (system, equation) = (self.system, &self.equation);
+        if system.inertia_relief.is_none() {
+            return false;
+        }
+        let mut forces = vec![[0.0; 3]; system.vectors()];
+        system.add_inertia_relief(&equation.motion(), equation.time, 1.0, &mut forces);
+        let inertia = system.force_norm(&forces);
+        forces.fill([0.0; 3]);
+        add_follower_loads(system, &equation.motion(), equation.time, 1.0, &mut forces);
+        system.add_dead_loads(equation.time, 1.0, &mut forces);
+        inertia > SELF_BALANCED * system.force_norm(&forces)
     }
 
     /// Refuses an equilibrium that no stable path leads to (snap-through test, see `connection`). Where the path turns sharply next to
