@@ -25,9 +25,9 @@ class KnockDown(NamedTuple):
     factors: NDArray[np.float64]
     """Factors on the amplitudes, as given (n)."""
     load_factors: NDArray[np.float64]
-    """Load factor of the first limit point or bifurcation of each path (n); NaN where the path ends without one."""
+    """Load factor of the first limit point, bifurcation or onset of flutter of each path (n); NaN where the path ends without one."""
     kinds: list[str | None]
-    """Kind of each critical point: `"limit"` or `"bifurcation"`; `None` where there is none."""
+    """Kind of each critical point: `"limit"`, `"bifurcation"` or `"flutter"`; `None` where there is none."""
     results: list[Result]
     """Results of the paths, whose last state is the critical point: their histories have the reactions of supports where motions drive the path."""
 

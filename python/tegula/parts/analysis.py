@@ -78,12 +78,13 @@ Branches = Integer | AllBranches
 """Bifurcations of a path whose crossing paths are followed."""
 
 
-PathEnd = Literal["limit-point", "bifurcation", "critical-point"]
+PathEnd = Literal["limit-point", "bifurcation", "flutter", "critical-point"]
 """Kind of critical point at which a path ends.
 
 `limit-point`: Limit point.
 `bifurcation`: Bifurcation.
-`critical-point`: Limit point or bifurcation.
+`flutter`: Onset of flutter under follower loads without a potential.
+`critical-point`: Limit point, bifurcation or onset of flutter.
 """
 
 
@@ -249,7 +250,7 @@ class EquilibriumPath(Part, type="path"):
         branches: Bifurcations whose crossing paths are followed behind this one, on both sides: a number, the first
             ones, or `"all"`. Values: `all`.
         end_at: Kind of critical point at the first of which the path ends. Values: `limit-point`, `bifurcation`,
-            `critical-point`.
+            `flutter`, `critical-point`.
         stop: Conditions at which the path ends.
     """
 

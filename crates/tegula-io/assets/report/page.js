@@ -20,7 +20,7 @@ async function histories(holder, part) {
     const moving = all.filter((n) => size(n) > 1e-6 * largest).slice(0, MOST_CURVES);
     const dashed = unstable && Array.from(unstable, (n) => n > 0);
     const curves = moving.map((n) => ({ name: n, xs: columns.get(n), ys: first, dashed }));
-    for (const kind of ["limit", "bifurcation"]) {
+    for (const [kind, name, ink] of [["limit", "limit point", 6], ["bifurcation", "bifurcation", 3], ["flutter", "onset of flutter", 1]]) {
       const found = part.critical_points.filter((c) => c.kind === kind), xs = [], ys = [];
       for (const { position: at, load_factor } of found)
         for (const n of moving) {
@@ -31,7 +31,7 @@ async function histories(holder, part) {
           xs.push(u[i - 1] + w * (u[i] - u[i - 1]));
           ys.push(load_factor);
         }
-      if (xs.length) curves.push({ name: kind === "limit" ? "limit point" : kind, xs, ys, marks: true, ink: kind === "limit" ? 6 : 3 });
+      if (xs.length) curves.push({ name, xs, ys, marks: true, ink });
     }
     if (curves.length) diagram(holder, unstable ? "equilibrium path (dashed: unstable)" : "load factor over displacement", "displacement", "load factor", curves);
   }

@@ -171,21 +171,33 @@ pub fn run_with_inputs(
     Ok((outcome, Some(Response { reduced, frequencies })))
 }
 
-/// Growth rate and circular frequency of the vibration about an equilibrium under follower loads that grows most, among the lowest ones; `None` where none
-/// grows, the loads have a potential or the model has no mass.
+/// Vibration about an equilibrium that grows.
+pub(super) struct GrowingVibration {
+    /// Growth rate [1/time].
+    pub growth: f64,
+    /// Circular frequency [rad/time].
+    pub omega: f64,
+    /// Real part of the complex mode in all nodal vectors.
+    pub shape: Vec<Nodal>,
+}
+
+/// The vibration about an equilibrium under follower loads that grows most, among the lowest ones; `None` where none grows, the loads have a potential or the
+/// model has no mass.
 ///
 /// # Errors
 /// The modes are not found.
-pub(super) fn growing_vibration(system: &System, state: &State) -> Result<Option<(f64, f64)>> {
+pub(super) fn growing_vibration(system: &System, state: &State) -> Result<Option<GrowingVibration>> {
     if !(system.total_mass() > 0.0) || circulatory::stiffness(system, state).is_none() {
         return Ok(None);
     }
     let mut problem = Problem::new(system, Some(state))?;
     let (found, _) = modes_about(&mut problem, WATCHED, Some(state), &mut Silent)?;
-    let growth = |mode: &Mode| Some((mode.complex.as_ref()?.growth, mode.omega));
+    let of_mode = |Mode { omega, shape, complex, .. }: Mode| {
+        Some(GrowingVibration { growth: complex?.growth, omega, shape })
+    };
     let growing =
-        found.modes.iter().filter_map(growth).filter(|(growth, omega)| *growth > 0.0 && *omega > 0.0);
-    Ok(growing.max_by(|a, b| a.0.total_cmp(&b.0)))
+        found.modes.into_iter().filter_map(of_mode).filter(|mode| mode.growth > 0.0 && mode.omega > 0.0);
+    Ok(growing.max_by(|a, b| a.growth.total_cmp(&b.growth)))
 }
 
 /// The `wanted` lowest modes, complex ones of a model that turns or whose follower loads have no potential, and whether these are all.

@@ -82,7 +82,9 @@ pub enum PathEnd {
     LimitPoint,
     /// Bifurcation.
     Bifurcation,
-    /// Limit point or bifurcation.
+    /// Onset of flutter under follower loads without a potential.
+    Flutter,
+    /// Limit point, bifurcation or onset of flutter.
     CriticalPoint,
 }
 

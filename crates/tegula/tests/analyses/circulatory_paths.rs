@@ -7,7 +7,7 @@ use crate::buckling::factors;
 use crate::common::{Notes, compile, cylinder, model, on, plate, vector_load};
 use crate::patches::{error_of_whole_tangent, hub};
 use crate::shell_joints::{clamp, mesh_of, on_edge};
-use tegula::analysis::path::{self, CriticalKind, PathOutcome};
+use tegula::analysis::path::{self, CriticalKind, CriticalPoint, PathOutcome};
 use tegula::analysis::{modal, statics};
 use tegula::compile::Compiler;
 use tegula::element::Nodal;
@@ -83,9 +83,11 @@ fn loaded((mut m, mesh): (Model, Mesh), part: f64, options: PathAnalysis) -> (Pa
     (outcome, deflection)
 }
 
+/// Limit points and bifurcations of a path.
 fn found(outcome: &PathOutcome) -> Vec<(CriticalKind, i32, f64)> {
     let path = outcome.state.path.as_ref().unwrap();
-    path.critical.iter().map(|point| (point.kind, point.change, point.load)).collect()
+    let is_static = |point: &&CriticalPoint| point.kind != CriticalKind::Flutter;
+    path.critical.iter().filter(is_static).map(|point| (point.kind, point.change, point.load)).collect()
 }
 
 /// A cantilever under a load of which the part η follows its end buckles by divergence at `cos kL = η/(η − 1)`, P = EI k² (from `w⁗ + k² w″ = 0` with

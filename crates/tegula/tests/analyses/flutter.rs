@@ -3,7 +3,8 @@
 use nalgebra::{Complex, DMatrix, DVector};
 use tegula::System;
 use tegula::analysis::modal::{self, Mode};
-use tegula::analysis::{Silent, State, equilibrium, path};
+use tegula::analysis::path::{self, CriticalKind};
+use tegula::analysis::{Silent, State, equilibrium};
 use tegula::model::*;
 
 use crate::common::{Notes, compile, solve};
@@ -149,24 +150,29 @@ fn modes_under_loads_without_potential_are_those_of_the_whole_tangent() {
     }
 }
 
-/// The path of Beck's column has no critical point; a warning tells between which loads it begins to flutter.
+/// The path of Beck's column has one critical point, the onset of flutter at 20.05 EI/L², which a warning tells, too, and at which it may end.
 #[test]
-fn a_path_tells_where_its_equilibria_begin_to_flutter() {
-    for shells in [false, true] {
+fn a_path_locates_the_onset_of_flutter() {
+    for (shells, end_at) in [(false, None), (true, None), (false, Some(PathEnd::Flutter))] {
         let mut m = beck(25.0, 2, shells);
-        let options = PathAnalysis { end_load: 1.0, ..PathAnalysis::default() };
+        let options = PathAnalysis { end_load: 1.0, end_at, ..PathAnalysis::default() };
         m.analysis = Analysis::Path(options.clone());
         let (_, system) = compile(&m);
         let mut notes = Notes::default();
         let outcome = path::run(&system, &options, None, &mut notes).unwrap();
         let path = outcome.state.path.unwrap();
-        assert!(path.critical.is_empty() && path.flutters);
-        let told = notes.warnings.iter().filter(|text| text.contains("flutter"));
-        let [warning] = told.collect::<Vec<_>>()[..] else { panic!("{:?}", notes.warnings) };
-        let numbers = warning.split([' ', ':', ';']).filter_map(|word| word.parse().ok());
-        let numbers: Vec<f64> = numbers.collect();
-        let onset = 20.05 / 25.0;
-        assert!(numbers[0] < onset && onset < numbers[1] && numbers[1] - numbers[0] < 0.5, "{warning}");
+        let [onset] = &path.critical[..] else { panic!("{:?}", path.critical.len()) };
+        println!("{} {:?}", 25.0 * onset.load, notes.warnings);
+        assert_eq!((onset.kind, onset.change), (CriticalKind::Flutter, 0));
+        assert!((25.0 * onset.load / 20.051 - 1.0).abs() < 1e-3, "{}", 25.0 * onset.load);
+        assert!((system.norm(&onset.mode) - 1.0).abs() < 1e-12);
+        let told: Vec<_> = notes.warnings.iter().filter(|text| text.contains("flutter")).collect();
+        let place = format!("at load factor {:.6}", onset.load);
+        if end_at.is_some() {
+            assert!((outcome.state.time - onset.load).abs() < 1e-6 * onset.load && path.finished);
+        } else {
+            assert!(path.flutters && told.len() == 1 && told[0].contains(&place), "{told:?} {place}");
+        }
     }
 }
 

@@ -61,7 +61,8 @@ pub(super) fn load_displacement(
     let Some(columns) = all.first().map(Vec::len) else { return Ok(()) };
     let position = columns - 2;
     let mut series: Vec<Series> = Vec::new();
-    let mut critical = [CriticalKind::Limit, CriticalKind::Bifurcation].map(|kind| (kind, Vec::new()));
+    let mut critical = [CriticalKind::Limit, CriticalKind::Bifurcation, CriticalKind::Flutter]
+        .map(|kind| (kind, Vec::new()));
     let mut shown: Vec<(String, usize, f64)> = moving(&prepared.probes, &all)
         .into_iter()
         .map(|column| (names[column].replace('.', " "), column, 0.0))

@@ -177,14 +177,43 @@ impl<S: TangentSolver> Newton<S> {
         Ok((eigenvalue, mode))
     }
 
-    /// Eigenvalues next to zero of the tangent of the equilibrium found last, with the circulatory part of follower
-    /// loads: Arnoldi process on `(K + N)⁻¹ M` with the mass matrix, whose real negative eigenvalues are those of motions that grow without
-    /// vibrating. Of a model without mass they are not defined, where two of them may pass through zero; D, the metric of [`System::norm`], takes the place of M
-    /// there. Vectors are without unit.
+    /// Eigenvalues next to zero of the tangent of the equilibrium found last, with the circulatory part of follower loads: of `(K + N) x = λ M x` with the mass
+    /// matrix, and with D, the metric of [`System::norm`]. An eigenvalue that has passed through zero is real and negative with any such matrix; two that have
+    /// met as complex ones, and are real from then on, may be positive with one of them.
     ///
     /// # Errors
     /// The linear solver failed.
     fn eigenvalues_next_to_zero(&mut self, system: &System) -> Result<NextToZero, String> {
+        let by_norm = |x: &[Nodal], out: &mut [Nodal]| {
+            out.copy_from_slice(x);
+            system.apply_metric(out);
+        };
+        if !(system.total_mass() > 0.0) {
+            return self.eigenvalues_over(system, by_norm);
+        }
+        let by_mass = self.eigenvalues_over(system, |x, out| {
+            out.fill([0.0; 3]);
+            system.pattern.add_mass_product(1.0, x, out);
+        })?;
+        if by_mass.complex && !by_mass.real_negative {
+            return Ok(by_mass);
+        }
+        let by_norm = self.eigenvalues_over(system, by_norm)?;
+        Ok(NextToZero {
+            real_negative: by_mass.real_negative && by_norm.real_negative,
+            complex: by_mass.complex || by_norm.complex,
+        })
+    }
+
+    /// Eigenvalues next to zero of `(K + N) x = λ B x` with the product B x of a metric: Arnoldi process on `(K + N)⁻¹ B`, in vectors without unit.
+    ///
+    /// # Errors
+    /// The linear solver failed.
+    fn eigenvalues_over(
+        &mut self,
+        system: &System,
+        mut metric: impl FnMut(&[Nodal], &mut [Nodal]),
+    ) -> Result<NextToZero, String> {
         let size = system.unknowns();
         let mut arnoldi = Gmres::new(size, (MOST_ENTRIES / size.max(1)).clamp(20, MOST_VECTORS));
         let start: Vec<f64> = noise().take(size).collect();
@@ -199,19 +228,12 @@ impl<S: TangentSolver> Newton<S> {
             found.real_negative || without == LOOKS_WITHOUT
         };
         let scales = scales(system, &self.frames);
-        let has_mass = system.total_mass() > 0.0;
-        let (mut moved, mut force) = (vec![[0.0; 3]; system.vectors()], vec![[0.0; 3]; system.vectors()]);
-        let (mut free, mut right) = (vec![0.0; size], vec![0.0; size]);
+        let [mut moved, mut force] = [vec![[0.0; 3]; system.vectors()], vec![[0.0; 3]; system.vectors()]];
+        let [mut free, mut right] = [vec![0.0; size], vec![0.0; size]];
         arnoldi.ritz_values(&start, EIGENVALUE_STEPS, &mut looked, |v, out| {
             free.iter_mut().zip(v.iter().zip(&scales)).for_each(|(x, (v, scale))| *x = v / scale);
             expand_free(&self.frames, &free, false, &mut moved);
-            if has_mass {
-                force.fill([0.0; 3]);
-                system.pattern.add_mass_product(1.0, &moved, &mut force);
-            } else {
-                force.copy_from_slice(&moved);
-                system.apply_metric(&mut force);
-            }
+            metric(&moved, &mut force);
             self.frames.reduce(&force, &mut right);
             let linear = self.linear_system();
             linear.solve(&right, out, Some(Purpose::Eigenvalues), Constraints::constrain)?;

@@ -24,6 +24,7 @@ use super::state::{
 };
 use super::{SeriesSteps, branch, first_state};
 use crate::analysis::bending_watch::BendingWatch;
+use crate::analysis::modal::GrowingVibration;
 use crate::analysis::newton::{LoadResponse, NOTHING_MOVES, Newton, PathTangent, Plane, Tolerances};
 use crate::analysis::potential::{Place, have_potential};
 use crate::analysis::solver::TangentSolver as _;
@@ -103,6 +104,8 @@ struct Outcome {
     critical: Vec<Found>,
     /// Unstable modes at the end, where they are known.
     unstable: Option<UnstableModes>,
+    /// Vibration about the end that grows, if one does, where it was looked for.
+    vibration: Option<Option<GrowingVibration>>,
     /// Length of the next step.
     length: f64,
 }
@@ -334,17 +337,22 @@ impl<'a> ArcLengthSteps<'a> {
             critical.sort_by(|p, q| p.a.total_cmp(&q.a));
             self.gets_away(&critical)?;
         }
+        let (vibration, onset) = self.flutter_within((arc, &mut known, negative), &end, observer);
+        critical.extend(onset);
+        critical.sort_by(|p, q| p.a.total_cmp(&q.a));
         let judged = end.a;
         if !critical.is_empty() {
             let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), &end));
             if let Some(end) = self.go_over(arc, known, &mut critical, observer)? {
                 let length = (ON_BRANCH * branch::FIRST).min(planned);
-                return Ok(Outcome { end, negative, critical, unstable: None, length });
+                return Ok(Outcome { end, negative, critical, unstable: None, vibration: None, length });
             }
             self.end_inside(arc, known, (&mut critical, negative), &mut end, observer)?;
         }
-        let unstable = unstable.map(|(modes, _)| modes).filter(|_| end.a == judged);
-        Ok(Outcome { end, negative, critical, unstable, length: next })
+        let stays = end.a == judged;
+        let unstable = unstable.map(|(modes, _)| modes).filter(|_| stays);
+        let vibration = vibration.filter(|_| stays);
+        Ok(Outcome { end, negative, critical, unstable, vibration, length: next })
     }
 
     /// Whether the follower loads have a potential at an equilibrium: then the tangent is symmetric.
@@ -389,7 +397,7 @@ impl<'a> ArcLengthSteps<'a> {
 
     /// Makes the end of a step the state.
     fn accept(&mut self, outcome: Outcome, observer: &mut dyn Observer) {
-        let Outcome { end, negative, critical, unstable, length } = outcome;
+        let Outcome { end, negative, critical, unstable, vibration, length } = outcome;
         self.unstable = unstable;
         let Self { newton, system, state, equation, options, .. } = self;
         if state.step == 0 {
@@ -410,7 +418,9 @@ impl<'a> ArcLengthSteps<'a> {
         self.bending.look(system, &state.u, observer, || format!("load factor {}", state.time));
         state.negative_pivots = end.negative;
         self.statistics.steps = state.step;
-        flutter::look(system, before, state, observer);
+        let is_onset = |found: &&Found| found.point.kind == CriticalKind::Flutter;
+        let onset = critical.iter().find(is_onset).map(|found| found.point.load);
+        flutter::look((system, before), state, (vibration, onset), observer);
         let Some(path) = &mut state.path else { return };
         let mut negative = negative as i32;
         for Found { a, point } in critical {

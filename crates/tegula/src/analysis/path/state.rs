@@ -37,6 +37,8 @@ pub enum CriticalKind {
     Limit,
     /// Bifurcation: another path crosses.
     Bifurcation,
+    /// Onset of flutter under loads without a potential: two frequencies meet, and vibrations about the equilibria behind it grow.
+    Flutter,
 }
 
 impl CriticalKind {
@@ -45,6 +47,7 @@ impl CriticalKind {
         options.end_at.is_some_and(|end| match end {
             PathEnd::LimitPoint => self == Self::Limit,
             PathEnd::Bifurcation => self == Self::Bifurcation,
+            PathEnd::Flutter => self == Self::Flutter,
             PathEnd::CriticalPoint => true,
         })
     }
@@ -54,11 +57,12 @@ impl CriticalKind {
         match self {
             Self::Limit => "limit point",
             Self::Bifurcation => "bifurcation",
+            Self::Flutter => "onset of flutter",
         }
     }
 }
 
-/// Critical point of a path: an eigenvalue of the tangent passes through zero.
+/// Critical point of a path: an eigenvalue of the tangent passes through zero, or vibrations begin to grow.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CriticalPoint {
     /// Kind of the point.
@@ -71,7 +75,7 @@ pub struct CriticalPoint {
     pub change: i32,
     /// Displacements.
     pub u: Vec<Nodal>,
-    /// Eigenvector: motion at constant load, of unit norm ([`System::norm`](crate::System::norm)).
+    /// Eigenvector: motion at constant load, of unit norm ([`System::norm`](crate::System::norm)). At the onset of flutter the real part of a mode.
     pub mode: Vec<Nodal>,
 }
 
@@ -106,7 +110,7 @@ impl CriticalPoint {
         }
         let mut difference = later.u.clone();
         add_multiple(&mut difference, -1.0, &self.u);
-        if self.kind == CriticalKind::Limit {
+        if self.kind != CriticalKind::Bifurcation {
             return later.kind == self.kind && system.norm(&difference) <= SAME * size;
         }
         let along = system.inner_product(&self.mode, &difference);
@@ -157,7 +161,9 @@ pub struct PathState {
 impl PathState {
     /// Direction and kind of the end of this path, for the next analysis step; the tangent has a number of negative pivots there.
     pub fn before(&self, negative_pivots: usize) -> PathBefore {
-        let end = self.critical.last().filter(|point| point.position == self.position);
+        let at_end =
+            |point: &&CriticalPoint| point.position == self.position && point.kind != CriticalKind::Flutter;
+        let end = self.critical.last().filter(at_end);
         if negative_pivots == 0 && end.is_none() {
             return PathBefore::default();
         }

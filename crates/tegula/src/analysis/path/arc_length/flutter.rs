@@ -1,9 +1,108 @@
 //! Flutter along a path: under loads without a potential vibrations about an equilibrium may grow although no eigenvalue of the tangent has passed through
 //! zero (H. Ziegler, *Principles of structural stability*, 1968). The masses decide, and the [complex modes](crate::analysis::modal) tell.
+//!
+//! Two frequencies meet at the onset. Behind it the square γ² of the growth rate is a smooth function of the place on the path, with a simple zero at the onset:
+//! its secants locate it.
 
-use crate::analysis::path::state::PathState;
-use crate::analysis::{Observer, State, modal};
+use super::inside_step::Known;
+use super::{ArcLengthSteps, ArcStart, End};
+use crate::analysis::modal::{self, GrowingVibration};
+use crate::analysis::path::critical_points::Found;
+use crate::analysis::path::state::{CriticalKind, CriticalPoint, PathState};
+use crate::analysis::{Observer, State};
 use crate::system::System;
+
+/// Change of the load factor over it from secant to secant, below which the onset is located.
+const LOCATED: f64 = 1e-6;
+/// Largest number of equilibria whose vibrations are looked at for it.
+const MOST_TRIALS: usize = 16;
+/// Part of the way from the last onset that a secant tells to the nearest equilibrium behind it, at which the vibrations are looked at next: they grow there.
+const BEHIND: f64 = 0.1;
+
+/// Vibration about an equilibrium that grows, if one does; the outer option is `None` where the modes are not found.
+type Judged = Option<Option<GrowingVibration>>;
+
+impl ArcLengthSteps<'_> {
+    /// Vibrations about the end of a step, and where they begin to grow within the step.
+    pub(super) fn flutter_within(
+        &mut self,
+        (arc, known, negative): (&ArcStart, &mut Option<Known>, usize),
+        end: &End,
+        observer: &mut dyn Observer,
+    ) -> (Judged, Option<Found>) {
+        let judged = growing_vibration(self.system, &self.state_at(end), observer);
+        let began_before = self.path().is_some_and(|path| path.flutters);
+        let Some(Some(vibration)) = judged.as_ref().filter(|_| !began_before) else { return (judged, None) };
+        let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), end));
+        let located = self.onset_of_flutter(known, (end.a, vibration), observer);
+        (judged, located)
+    }
+
+    /// State at an equilibrium of the path.
+    fn state_at(&self, end: &End) -> State {
+        let equation = &end.equation;
+        State {
+            u: equation.u.clone(),
+            multipliers: equation.multipliers.clone(),
+            angles: equation.angles.clone(),
+            time: equation.time,
+            ..State::first(self.system)
+        }
+    }
+
+    /// Onset of flutter in a step that begins without it and ends at the distance `length` with this growing vibration; `None` where it is not located.
+    fn onset_of_flutter(
+        &mut self,
+        known: &mut Known,
+        (length, vibration): (f64, &GrowingVibration),
+        observer: &mut dyn Observer,
+    ) -> Option<Found> {
+        // Places before the onset, and behind it with γ².
+        let (mut before, mut behind) = (0.0, (length, vibration.growth * vibration.growth));
+        let (mut next, mut last) = (0.5 * length, None::<f64>);
+        for _ in 0..MOST_TRIALS {
+            if observer.interrupted() {
+                return None;
+            }
+            let trial = self.equilibrium_near(known, next, observer).ok()?;
+            let growing = growing_vibration(self.system, &self.state_at(&trial), observer)?;
+            known.add(trial);
+            let Some(GrowingVibration { growth, mut shape, .. }) = growing else {
+                before = next;
+                next = 0.5 * (before + behind.0);
+                continue;
+            };
+            let here = (next, growth * growth);
+            let zero = here.0 - here.1 * (behind.0 - here.0) / (behind.1 - here.1);
+            behind = here;
+            if !(zero >= before && zero <= here.0) {
+                next = 0.5 * (before + here.0);
+                continue;
+            }
+            let onset = self.equilibrium_near(known, zero, observer).ok()?;
+            let load = onset.equation.time;
+            let is_located = last.is_some_and(|last| (load - last).abs() <= LOCATED * load.abs());
+            if is_located {
+                let size = self.system.norm(&shape);
+                shape.as_flattened_mut().iter_mut().for_each(|x| *x /= size);
+                let u = onset.equation.u.clone();
+                let point = CriticalPoint {
+                    kind: CriticalKind::Flutter,
+                    load,
+                    position: 0.0,
+                    change: 0,
+                    u,
+                    mode: shape,
+                };
+                return Some(Found { a: zero, point });
+            }
+            known.add(onset);
+            last = Some(load);
+            next = zero + BEHIND * (here.0 - zero);
+        }
+        None
+    }
+}
 
 /// Looks at the equilibrium at which a path begins.
 pub(super) fn look_at_start(system: &System, state: &mut State, observer: &mut dyn Observer) {
@@ -13,33 +112,37 @@ pub(super) fn look_at_start(system: &System, state: &mut State, observer: &mut d
     if let Some(vibration) = growing {
         observer.on_warning(&format!(
             "the path begins at an equilibrium that is unstable by flutter: {}",
-            told(vibration)
+            told(&vibration)
         ));
     }
 }
 
-/// Looks at the equilibrium at the end of a step that has begun at the load factor `before`, and warns where vibrations about it grow that have not grown
-/// before; where they no longer do, a message says so.
-pub(super) fn look(system: &System, before: f64, state: &mut State, observer: &mut dyn Observer) {
-    let Some(growing) = growing_vibration(system, state, observer) else { return };
+/// Looks at the equilibrium at the end of a step that has begun at the load factor `before`, where it has not been `judged`, and warns where vibrations about it
+/// grow that have not grown before, with the load factor of their onset where it was located; where they no longer grow, a message says so.
+pub(super) fn look(
+    (system, before): (&System, f64),
+    state: &mut State,
+    (judged, onset): (Judged, Option<f64>),
+    observer: &mut dyn Observer,
+) {
+    let Some(growing) = judged.or_else(|| growing_vibration(system, state, observer)) else { return };
     let (now, Some(PathState { flutters, .. })) = (state.time, state.path.as_deref_mut()) else { return };
     let between = format!("between load factors {before:.6} and {now:.6}");
     match (std::mem::replace(flutters, growing.is_some()), growing) {
-        (false, Some(vibration)) => observer.on_warning(&format!(
-            "{between} the equilibria of the path become unstable by flutter: {}",
-            told(vibration)
-        )),
+        (false, Some(vibration)) => {
+            let place = onset.map_or(between, |onset| format!("at load factor {onset:.6}"));
+            observer.on_warning(&format!(
+                "{place} the equilibria of the path become unstable by flutter: at {now:.6} {}",
+                told(&vibration)
+            ));
+        }
         (true, None) => observer.on_event(&format!("{between} the flutter of the equilibria ends")),
         _ => {}
     }
 }
 
 /// Vibration about an equilibrium that grows, if one does; `None`, with a message, where the modes are not found.
-fn growing_vibration(
-    system: &System,
-    state: &State,
-    observer: &mut dyn Observer,
-) -> Option<Option<(f64, f64)>> {
+fn growing_vibration(system: &System, state: &State, observer: &mut dyn Observer) -> Judged {
     match modal::growing_vibration(system, state) {
         Ok(found) => Some(found),
         Err(error) => {
@@ -52,7 +155,7 @@ fn growing_vibration(
     }
 }
 
-fn told((growth, omega): (f64, f64)) -> String {
+fn told(GrowingVibration { growth, omega, .. }: &GrowingVibration) -> String {
     format!(
         "a vibration of the circular frequency {omega:.4e} grows by e^(t/{:.3e}). Eigenvalues of the tangent do not tell it; a modal step behind a path or a \
          static step does",

@@ -91,6 +91,7 @@ impl ArcLengthSteps<'_> {
             negative: end.negative,
             critical: Vec::new(),
             unstable: None,
+            vibration: None,
             length: ON_BRANCH * end.a,
             end,
         })
