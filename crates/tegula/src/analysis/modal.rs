@@ -14,6 +14,7 @@ mod complex_modes;
 mod convergence;
 mod dense;
 mod frequency_response;
+mod growing;
 mod isotropy;
 mod problem;
 mod reduced_model;
@@ -23,7 +24,7 @@ mod spinning;
 mod strain_energy;
 
 use super::statics::{self, StaticOutcome};
-use super::{Observer, Silent, State, Statistics, equilibrium};
+use super::{Observer, State, Statistics, equilibrium};
 use crate::element::Nodal;
 use crate::model::{ModalAnalysis, StaticAnalysis};
 use crate::system::System;
@@ -31,6 +32,7 @@ use crate::{Error, Result};
 pub use complex_modes::ComplexPart;
 use complex_modes::SkewParts;
 pub(super) use convergence::{Target, ritz_pairs};
+pub(super) use growing::{GrowingVibration, KnownModes, growing_vibration};
 use problem::Problem;
 pub(super) use problem::{go_on, has_springs, is_preloaded};
 pub use reduced_model::ReducedModel;
@@ -43,8 +45,6 @@ use tegula_sparse::lanczos::RitzPair;
 
 /// Number of rounds in which missed modes are searched for.
 const ROUNDS: usize = 5;
-/// Lowest modes among which vibrations that grow are looked for along a path.
-const WATCHED: usize = 6;
 /// Further modes that are found under loads without potential, to judge their coupling with the wanted ones.
 const COUPLED: usize = 4;
 /// Places in a gap, as fractions of its width, where eigenvalues are counted until a factorisation succeeds.
@@ -169,35 +169,6 @@ pub fn run_with_inputs(
     outcome.statistics.iterations += problem.applications - before;
     outcome.statistics.factorizations = problem.newton.solver.factorizations() as u64;
     Ok((outcome, Some(Response { reduced, frequencies })))
-}
-
-/// Vibration about an equilibrium that grows.
-pub(super) struct GrowingVibration {
-    /// Growth rate [1/time].
-    pub growth: f64,
-    /// Circular frequency [rad/time].
-    pub omega: f64,
-    /// Real part of the complex mode in all nodal vectors.
-    pub shape: Vec<Nodal>,
-}
-
-/// The vibration about an equilibrium under follower loads that grows most, among the lowest ones; `None` where none grows, the loads have a potential or the
-/// model has no mass.
-///
-/// # Errors
-/// The modes are not found.
-pub(super) fn growing_vibration(system: &System, state: &State) -> Result<Option<GrowingVibration>> {
-    if !(system.total_mass() > 0.0) || circulatory::stiffness(system, state).is_none() {
-        return Ok(None);
-    }
-    let mut problem = Problem::new(system, Some(state))?;
-    let (found, _) = modes_about(&mut problem, WATCHED, Some(state), &mut Silent)?;
-    let of_mode = |Mode { omega, shape, complex, .. }: Mode| {
-        Some(GrowingVibration { growth: complex?.growth, omega, shape })
-    };
-    let growing =
-        found.modes.into_iter().filter_map(of_mode).filter(|mode| mode.growth > 0.0 && mode.omega > 0.0);
-    Ok(growing.max_by(|a, b| a.growth.total_cmp(&b.growth)))
 }
 
 /// The `wanted` lowest modes, complex ones of a model that turns or whose follower loads have no potential, and whether these are all.

@@ -150,6 +150,14 @@ impl UnstableModes {
         (self.shared(system, &later) == negative).then_some(later)
     }
 
+    /// Sum of the modes, a field with a part along each.
+    pub fn sum(&self) -> Vec<Nodal> {
+        let mut modes = self.0.iter();
+        let mut sum = modes.next().cloned().unwrap_or_default();
+        modes.for_each(|mode| add_multiple(&mut sum, 1.0, mode));
+        sum
+    }
+
     /// Number of directions that belong to the spaces of both.
     pub fn shared(&self, system: &System, other: &Self) -> usize {
         if self.0.is_empty() || other.0.is_empty() {

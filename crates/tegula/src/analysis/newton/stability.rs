@@ -2,7 +2,9 @@
 //! eigenvalues of the unsymmetric one.
 
 use super::{Constraints, Newton, expand_free};
+use crate::analysis::State;
 use crate::analysis::circulatory::{CirculatoryLoads, Purpose};
+use crate::analysis::modal::KnownModes;
 use crate::analysis::potential::scales;
 use crate::analysis::solver::TangentSolver;
 use crate::analysis::statics::StaticEquation;
@@ -77,7 +79,7 @@ impl<S: TangentSolver> Newton<S> {
         if crossings.is_some_and(|n| (negative_pivots + n) % 2 == 1) {
             return Ok(Stability::Unstable(negative_pivots));
         }
-        let nearest = self.eigenvalues_next_to_zero(system)?;
+        let nearest = self.eigenvalues_next_to_zero(system, negative_pivots)?;
         // Eigenvalues that have not crossed zero may have become complex pairs, one of which must then be found.
         let left = crossings.is_some_and(|n| n < negative_pivots);
         if nearest.real_negative || (left && !nearest.complex) {
@@ -151,6 +153,18 @@ impl<S: TangentSolver> Newton<S> {
         Some((UnstableModes::of(system, frames, negative, &mut solve)?, false))
     }
 
+    /// Whether no vibration about the equilibrium of the tangent factored last grows, by the known modes of an equilibrium nearby.
+    pub(in crate::analysis) fn exclude_growth(
+        &mut self,
+        system: &System,
+        state: &State,
+        known: &KnownModes,
+    ) -> bool {
+        let mut linear = self.linear_system();
+        let frames = linear.frames;
+        known.exclude_growth(system, state, (frames, &mut |x| linear.solve_at_rest(x)))
+    }
+
     /// Inverse iteration with the whole tangent where it has a `purpose`, else with the symmetric part.
     fn inverse_iteration(
         &mut self,
@@ -181,42 +195,52 @@ impl<S: TangentSolver> Newton<S> {
     /// matrix, and with D, the metric of [`System::norm`]. An eigenvalue that has passed through zero is real and negative with any such matrix; two that have
     /// met as complex ones, and are real from then on, may be positive with one of them.
     ///
+    /// Many motions may be softer than the `negative` unstable ones of K are unstable: the searches begin with these. Where they are not found, D alone tells.
+    ///
     /// # Errors
     /// The linear solver failed.
-    fn eigenvalues_next_to_zero(&mut self, system: &System) -> Result<NextToZero, String> {
+    fn eigenvalues_next_to_zero(&mut self, system: &System, negative: usize) -> Result<NextToZero, String> {
         let by_norm = |x: &[Nodal], out: &mut [Nodal]| {
             out.copy_from_slice(x);
             system.apply_metric(out);
         };
-        if !(system.total_mass() > 0.0) {
-            return self.eigenvalues_over(system, by_norm);
-        }
-        let by_mass = self.eigenvalues_over(system, |x, out| {
+        let has_mass = system.total_mass() > 0.0;
+        let modes = if has_mass { self.unstable_modes(system, negative, None) } else { None };
+        let start = modes.map(|(modes, _)| modes.sum());
+        let Some(start) = &start else { return self.eigenvalues_over(system, None, by_norm) };
+        let by_mass = self.eigenvalues_over(system, Some(start), |x, out| {
             out.fill([0.0; 3]);
             system.pattern.add_mass_product(1.0, x, out);
         })?;
         if by_mass.complex && !by_mass.real_negative {
             return Ok(by_mass);
         }
-        let by_norm = self.eigenvalues_over(system, by_norm)?;
+        let by_norm = self.eigenvalues_over(system, Some(start), by_norm)?;
         Ok(NextToZero {
             real_negative: by_mass.real_negative && by_norm.real_negative,
             complex: by_mass.complex || by_norm.complex,
         })
     }
 
-    /// Eigenvalues next to zero of `(K + N) x = λ B x` with the product B x of a metric: Arnoldi process on `(K + N)⁻¹ B`, in vectors without unit.
+    /// Eigenvalues next to zero of `(K + N) x = λ B x` with the product B x of a metric: Arnoldi process on `(K + N)⁻¹ B`, in vectors without unit, from a
+    /// field or from noise.
     ///
     /// # Errors
     /// The linear solver failed.
     fn eigenvalues_over(
         &mut self,
         system: &System,
+        start: Option<&Vec<Nodal>>,
         mut metric: impl FnMut(&[Nodal], &mut [Nodal]),
     ) -> Result<NextToZero, String> {
         let size = system.unknowns();
         let mut arnoldi = Gmres::new(size, (MOST_ENTRIES / size.max(1)).clamp(20, MOST_VECTORS));
-        let start: Vec<f64> = noise().take(size).collect();
+        let scales = scales(system, &self.frames);
+        let mut first: Vec<f64> = noise().take(size).collect();
+        if let Some(field) = start {
+            self.frames.components(field, &mut first);
+            first.iter_mut().zip(&scales).for_each(|(x, scale)| *x *= scale);
+        }
         let (mut last, mut without): (Vec<f64>, usize) = (Vec::new(), 0);
         let mut found = NextToZero { real_negative: false, complex: false };
         let mut looked = |values: &[[f64; 2]], exact: bool| {
@@ -227,10 +251,9 @@ impl<S: TangentSolver> Newton<S> {
             last = now;
             found.real_negative || without == LOOKS_WITHOUT
         };
-        let scales = scales(system, &self.frames);
         let [mut moved, mut force] = [vec![[0.0; 3]; system.vectors()], vec![[0.0; 3]; system.vectors()]];
         let [mut free, mut right] = [vec![0.0; size], vec![0.0; size]];
-        arnoldi.ritz_values(&start, EIGENVALUE_STEPS, &mut looked, |v, out| {
+        arnoldi.ritz_values(&first, EIGENVALUE_STEPS, &mut looked, |v, out| {
             free.iter_mut().zip(v.iter().zip(&scales)).for_each(|(x, (v, scale))| *x = v / scale);
             expand_free(&self.frames, &free, false, &mut moved);
             metric(&moved, &mut force);

@@ -24,7 +24,7 @@ use super::state::{
 };
 use super::{SeriesSteps, branch, first_state};
 use crate::analysis::bending_watch::BendingWatch;
-use crate::analysis::modal::GrowingVibration;
+use crate::analysis::modal::{GrowingVibration, KnownModes};
 use crate::analysis::newton::{LoadResponse, NOTHING_MOVES, Newton, PathTangent, Plane, Tolerances};
 use crate::analysis::potential::{Place, have_potential};
 use crate::analysis::solver::TangentSolver as _;
@@ -82,6 +82,8 @@ pub struct ArcLengthSteps<'a> {
     force: Vec<Nodal>,
     /// Unstable modes of the last equilibrium, where they are known.
     unstable: Option<UnstableModes>,
+    /// Modes of an equilibrium before, under loads without a potential.
+    modes: Option<KnownModes>,
     bending: BendingWatch,
 }
 
@@ -138,6 +140,7 @@ impl<'a> ArcLengthSteps<'a> {
             response: LoadResponse::new(system),
             force: vec![[0.0; 3]; system.vectors()],
             unstable: None,
+            modes: None,
             bending: BendingWatch::new(),
             earlier: 0,
             limit: f64::INFINITY,

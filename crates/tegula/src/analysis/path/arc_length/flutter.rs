@@ -6,7 +6,7 @@
 
 use super::inside_step::Known;
 use super::{ArcLengthSteps, ArcStart, End};
-use crate::analysis::modal::{self, GrowingVibration};
+use crate::analysis::modal::{self, GrowingVibration, KnownModes};
 use crate::analysis::path::critical_points::Found;
 use crate::analysis::path::state::{CriticalKind, CriticalPoint, PathState};
 use crate::analysis::{Observer, State};
@@ -30,8 +30,18 @@ impl ArcLengthSteps<'_> {
         end: &End,
         observer: &mut dyn Observer,
     ) -> (Judged, Option<Found>) {
-        let judged = growing_vibration(self.system, &self.state_at(end), observer);
+        let state = self.state_at(end);
         let began_before = self.path().is_some_and(|path| path.flutters);
+        // Trials inside the step have factored other tangents than that of its end.
+        if let Some(modes) = self.modes.as_ref().filter(|_| known.is_none() && !began_before)
+            && self.newton.exclude_growth(self.system, &state, modes)
+        {
+            return (Some(None), None);
+        }
+        let judged = growing_vibration(self.system, &state, observer).map(|(found, modes)| {
+            self.modes = modes;
+            found
+        });
         let Some(Some(vibration)) = judged.as_ref().filter(|_| !began_before) else { return (judged, None) };
         let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), end));
         let located = self.onset_of_flutter(known, (end.a, vibration), observer);
@@ -65,7 +75,7 @@ impl ArcLengthSteps<'_> {
                 return None;
             }
             let trial = self.equilibrium_near(known, next, observer).ok()?;
-            let growing = growing_vibration(self.system, &self.state_at(&trial), observer)?;
+            let (growing, _) = growing_vibration(self.system, &self.state_at(&trial), observer)?;
             known.add(trial);
             let Some(GrowingVibration { growth, mut shape, .. }) = growing else {
                 before = next;
@@ -106,7 +116,7 @@ impl ArcLengthSteps<'_> {
 
 /// Looks at the equilibrium at which a path begins.
 pub(super) fn look_at_start(system: &System, state: &mut State, observer: &mut dyn Observer) {
-    let Some(growing) = growing_vibration(system, state, observer) else { return };
+    let Some((growing, _)) = growing_vibration(system, state, observer) else { return };
     let Some(path) = state.path.as_deref_mut() else { return };
     path.flutters = growing.is_some();
     if let Some(vibration) = growing {
@@ -125,7 +135,8 @@ pub(super) fn look(
     (judged, onset): (Judged, Option<f64>),
     observer: &mut dyn Observer,
 ) {
-    let Some(growing) = judged.or_else(|| growing_vibration(system, state, observer)) else { return };
+    let judge = || growing_vibration(system, state, observer).map(|(found, _)| found);
+    let Some(growing) = judged.or_else(judge) else { return };
     let (now, Some(PathState { flutters, .. })) = (state.time, state.path.as_deref_mut()) else { return };
     let between = format!("between load factors {before:.6} and {now:.6}");
     match (std::mem::replace(flutters, growing.is_some()), growing) {
@@ -141,8 +152,12 @@ pub(super) fn look(
     }
 }
 
-/// Vibration about an equilibrium that grows, if one does; `None`, with a message, where the modes are not found.
-fn growing_vibration(system: &System, state: &State, observer: &mut dyn Observer) -> Judged {
+/// Vibration about an equilibrium that grows, if one does, and its modes; `None`, with a message, where they are not found.
+fn growing_vibration(
+    system: &System,
+    state: &State,
+    observer: &mut dyn Observer,
+) -> Option<(Option<GrowingVibration>, Option<KnownModes>)> {
     match modal::growing_vibration(system, state) {
         Ok(found) => Some(found),
         Err(error) => {
