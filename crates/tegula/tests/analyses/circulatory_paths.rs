@@ -132,6 +132,25 @@ fn columns_under_half_following_loads_are_stable_again_above_a_second_load() {
     }
 }
 
+/// Two changes of one real eigenvalue are opposite, also where two others have become complex in between: at η = 0.4 the column is stable again behind the second
+/// load, up to the onset of flutter.
+#[test]
+fn divergence_ends_at_the_second_load_of_a_column() {
+    let part = 0.4_f64;
+    let first = (part / (part - 1.0)).acos();
+    let roots = [first, 2.0 * PI - first].map(|kl| (kl / (0.5 * PI)).powi(2));
+    let options = PathAnalysis { end_load: 1.05 * roots[1], ..Default::default() };
+    let (outcome, _) = loaded(column(32, false), part, options);
+    let found = found(&outcome);
+    assert!(
+        matches!(found[..], [(CriticalKind::Bifurcation, 1, _), (CriticalKind::Bifurcation, -1, _)]),
+        "{found:?}"
+    );
+    for ((_, _, load), exact) in found.iter().zip(roots) {
+        assert!((load / exact - 1.0).abs() < 5e-3, "{found:?} {roots:?}");
+    }
+}
+
 /// A rigid body on the end of a column changes nothing, whether the load that follows the end acts on nodes that are attached to the body, or as a pressure on a
 /// plate all of whose nodes are.
 #[test]

@@ -257,8 +257,28 @@ fn a_path_that_begins_in_flutter_says_so() {
     assert_eq!(notes.warnings.len(), 1, "{:?}", notes.warnings);
     assert!(notes.warnings[0].contains("the path begins at an equilibrium that is unstable by flutter"));
     assert!(
-        notes.events.iter().any(|event| event.contains("the flutter of the equilibria ends")),
+        notes.events.iter().any(|event| event.contains("vibrations about the equilibria no longer grow")),
         "{:?}",
         notes.events
     );
+}
+
+/// The onset is located wherever the steps of the path end: next to it the two eigenvalues are nearly one, and their imaginary parts round-off.
+#[test]
+fn the_onset_of_flutter_does_not_depend_on_the_steps_of_the_path() {
+    let loads = [21.0, 25.0, 29.0, 35.0, 40.0, 50.0].map(|force| {
+        let mut m = beck(force, 2, false);
+        m.beams[0].elements = Some(16);
+        let options =
+            PathAnalysis { end_load: 1.0, end_at: Some(PathEnd::Flutter), ..PathAnalysis::default() };
+        m.analysis = Analysis::Path(options.clone());
+        let path =
+            path::run(&compile(&m).1, &options, None, &mut Notes::default()).unwrap().state.path.unwrap();
+        assert_eq!(path.critical.len(), 1, "{force}");
+        force * path.critical[0].load
+    });
+    println!("{loads:?}");
+    for load in loads {
+        assert!((load / loads[0] - 1.0).abs() < 5e-5, "{loads:?}");
+    }
 }

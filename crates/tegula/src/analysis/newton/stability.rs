@@ -35,8 +35,8 @@ pub enum Stability {
     Stable,
     /// The tangent has a negative eigenvalue, shown by this number of negative pivots of the symmetric part.
     Unstable(usize),
-    /// The symmetric part has this number of negative pivots, but the tangent has no real negative eigenvalue:
-    /// circulatory loads compensate them, or make pairs of them complex (vibrations).
+    /// The symmetric part has this number of negative pivots, but no eigenvalue of the tangent has passed through zero: circulatory loads compensate
+    /// them, or make pairs of them complex (vibrations).
     Undecided(usize),
 }
 
@@ -193,7 +193,7 @@ impl<S: TangentSolver> Newton<S> {
 
     /// Eigenvalues next to zero of the tangent of the equilibrium found last, with the circulatory part of follower loads: of `(K + N) x = λ M x` with the mass
     /// matrix, and with D, the metric of [`System::norm`]. An eigenvalue that has passed through zero is real and negative with any such matrix; two that have
-    /// met as complex ones, and are real from then on, may be positive with one of them.
+    /// met as complex ones, and are real from then on, may be positive with one of them, or complex still.
     ///
     /// Many motions may be softer than the `negative` unstable ones of K are unstable: the searches begin with these. Where they are not found, D alone tells.
     ///

@@ -84,6 +84,8 @@ pub struct ArcLengthSteps<'a> {
     unstable: Option<UnstableModes>,
     /// Modes of an equilibrium before, under loads without a potential.
     modes: Option<KnownModes>,
+    /// Whether it is told that equilibria are watched for flutter.
+    watches: bool,
     bending: BendingWatch,
 }
 
@@ -141,6 +143,7 @@ impl<'a> ArcLengthSteps<'a> {
             force: vec![[0.0; 3]; system.vectors()],
             unstable: None,
             modes: None,
+            watches: false,
             bending: BendingWatch::new(),
             earlier: 0,
             limit: f64::INFINITY,

@@ -6,14 +6,19 @@
 
 use super::inside_step::Known;
 use super::{ArcLengthSteps, ArcStart, End};
+use crate::Error;
 use crate::analysis::modal::{self, GrowingVibration, KnownModes};
 use crate::analysis::path::critical_points::Found;
 use crate::analysis::path::state::{CriticalKind, CriticalPoint, PathState};
 use crate::analysis::{Observer, State};
+use crate::norm::larger;
 use crate::system::System;
 
 /// Change of the load factor over it from secant to secant, below which the onset is located.
-const LOCATED: f64 = 1e-6;
+const LOCATED: f64 = 1e-5;
+/// Growth rate over the circular frequency, below which an equilibrium is next to the onset: its two eigenvalues λ are nearly one, and their errors the square
+/// roots of that of the matrices.
+const NEXT_TO_ONSET: f64 = 0.01;
 /// Largest number of equilibria whose vibrations are looked at for it.
 const MOST_TRIALS: usize = 16;
 /// Part of the way from the last onset that a secant tells to the nearest equilibrium behind it, at which the vibrations are looked at next: they grow there.
@@ -39,6 +44,11 @@ impl ArcLengthSteps<'_> {
             return (Some(None), None);
         }
         let judged = growing_vibration(self.system, &state, observer).map(|(found, modes)| {
+            if modes.is_some() && !std::mem::replace(&mut self.watches, true) {
+                observer.on_event(
+                    "the loads have no potential: the six lowest modes of the equilibria are watched for flutter; of higher ones it is not told",
+                );
+            }
             self.modes = modes;
             found
         });
@@ -77,7 +87,7 @@ impl ArcLengthSteps<'_> {
             let trial = self.equilibrium_near(known, next, observer).ok()?;
             let (growing, _) = growing_vibration(self.system, &self.state_at(&trial), observer)?;
             known.add(trial);
-            let Some(GrowingVibration { growth, mut shape, .. }) = growing else {
+            let Some(GrowingVibration { growth, omega, mut shape, .. }) = growing else {
                 before = next;
                 next = 0.5 * (before + behind.0);
                 continue;
@@ -85,14 +95,16 @@ impl ArcLengthSteps<'_> {
             let here = (next, growth * growth);
             let zero = here.0 - here.1 * (behind.0 - here.0) / (behind.1 - here.1);
             behind = here;
-            if !(zero >= before && zero <= here.0) {
+            let is_next_to_onset = growth <= NEXT_TO_ONSET * omega;
+            if !(is_next_to_onset || (zero >= before && zero <= here.0)) {
                 next = 0.5 * (before + here.0);
                 continue;
             }
+            let zero = larger(zero, before).min(here.0);
             let onset = self.equilibrium_near(known, zero, observer).ok()?;
             let load = onset.equation.time;
             let is_located = last.is_some_and(|last| (load - last).abs() <= LOCATED * load.abs());
-            if is_located {
+            if is_located || is_next_to_onset {
                 let size = self.system.norm(&shape);
                 shape.as_flattened_mut().iter_mut().for_each(|x| *x /= size);
                 let u = onset.equation.u.clone();
@@ -147,7 +159,10 @@ pub(super) fn look(
                 told(&vibration)
             ));
         }
-        (true, None) => observer.on_event(&format!("{between} the flutter of the equilibria ends")),
+        (true, None) => observer.on_event(&format!(
+            "{between} vibrations about the equilibria no longer grow: the flutter ends, or has become a motion away from them (divergence), which a modal step \
+             behind the path tells"
+        )),
         _ => {}
     }
 }
@@ -162,8 +177,12 @@ fn growing_vibration(
         Ok(found) => Some(found),
         Err(error) => {
             let now = state.time;
+            let reason = match error {
+                Error::NotConverged { reason, .. } => reason,
+                error => error.to_string(),
+            };
             observer.on_event(&format!(
-                "whether the equilibrium at the load factor {now:.6} is stable against flutter is not known: {error}"
+                "whether the equilibrium at the load factor {now:.6} is stable against flutter is not known: {reason}"
             ));
             None
         }

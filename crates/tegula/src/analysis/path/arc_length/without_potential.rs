@@ -15,6 +15,7 @@ use crate::analysis::newton::TangentPart;
 use crate::analysis::path::critical_points::{Curve, Found, INVERSE_ITERATIONS, Trial, bifurcations};
 use crate::element::Nodal;
 use crate::norm::larger;
+use crate::system::System;
 
 /// Eigenvalue next to zero over the largest one of the trials below which it tells the sign of the determinant better than the count.
 const NEXT_TO_ZERO: f64 = 1e-2;
@@ -79,6 +80,9 @@ struct SignTrial {
     sign: i8,
     /// Eigenvalue next to zero, and its eigenvector.
     eigenvalue: f64,
+    /// Sign of this eigenvalue with the mass matrix in the place of the metric: that of the product of left and right eigenvector with the one over that with the
+    /// other.
+    by_mass: f64,
     mode: Vec<Nodal>,
     /// Work of the loads on its left eigenvector over that on the direction of the path.
     work: f64,
@@ -96,7 +100,10 @@ impl SignCurve<'_, '_, '_> {
         let rises = own
             .max_by(|p, q| p.eigenvalue.abs().total_cmp(&q.eigenvalue.abs()))
             .is_some_and(|trial| (trial.eigenvalue > 0.0) == (trial.a > a));
-        if rises { -1 } else { 1 }
+        // Far from the place the product of the eigenvectors may have another sign.
+        let nearest = self.trials.iter().min_by(|p, q| (p.a - a).abs().total_cmp(&(q.a - a).abs()));
+        let is_reversed = nearest.is_some_and(|trial| trial.by_mass < 0.0);
+        if rises == is_reversed { 1 } else { -1 }
     }
 
     /// Sign of the determinant at a place with this eigenvalue next to zero. Next to a zero the sign that was `found` is round-off: there it
@@ -125,7 +132,15 @@ impl Curve for SignCurve<'_, '_, '_> {
         if sign == 0 {
             return Err("the sign of the determinant of the tangent was not found".into());
         }
-        self.trials.push(SignTrial { a, sign, eigenvalue: softest.0, mode: softest.1.clone(), work });
+        let by_mass = sign_by_mass(self.steps.system, &left, &softest.1);
+        self.trials.push(SignTrial {
+            a,
+            sign,
+            eigenvalue: softest.0,
+            by_mass,
+            mode: softest.1.clone(),
+            work,
+        });
         // The round-off grows towards the bifurcation.
         let work = -self.trials.iter().map(|trial| -trial.work).fold(f64::NEG_INFINITY, larger);
         let (u, load) = (end.equation.u.clone(), end.equation.time);
@@ -139,4 +154,13 @@ impl Curve for SignCurve<'_, '_, '_> {
             is_alone: false,
         })
     }
+}
+
+/// Sign of the product `ψᵀ M φ` of a left and a right eigenvector over that with the metric of [`System::norm`]: 1 or −1; 1 without mass. A simple eigenvalue
+/// passes through zero with any such matrix at the same place, but the direction is that of this product.
+fn sign_by_mass(system: &System, left: &[Nodal], right: &[Nodal]) -> f64 {
+    let mut inertia = vec![[0.0; 3]; system.vectors()];
+    system.pattern.add_mass_product(1.0, right, &mut inertia);
+    let by_mass = crate::system::dot(left, &inertia);
+    if by_mass * system.inner_product(left, right) < 0.0 { -1.0 } else { 1.0 }
 }

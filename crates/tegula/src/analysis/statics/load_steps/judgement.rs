@@ -15,7 +15,7 @@ use crate::system::assembly::add_follower_loads;
 use crate::system::{add_multiple, inverted_element};
 
 /// Inertia forces over loads and inertia forces up to which the loads balance each other.
-const SELF_BALANCED: f64 = 1e-6;
+const SELF_BALANCED: f64 = 1e-2;
 
 impl<S: TangentSolver> LoadSteps<'_, S> {
     /// Refuses inverted elements, unstable equilibria, and equilibria that no stable path connects with the last one.
@@ -56,9 +56,9 @@ impl<S: TangentSolver> LoadSteps<'_, S> {
         if matches!(stability, Stability::Undecided(_)) {
             // Moments and pressures need not have a potential: the symmetric part alone does not decide.
             observer.on_event(&format!(
-                "load factor {target}: {negative} negative pivot(s) of the symmetric part of the tangent, but no real \
-                 negative eigenvalue of the tangent with the circulatory part of the follower loads: no static \
-                 instability (divergence); whether vibrations grow (flutter) a modal step behind this one tells"
+                "load factor {target}: {negative} negative pivot(s) of the symmetric part of the tangent, but no eigenvalue of \
+                 the tangent with the circulatory part of the follower loads has passed through zero: no bifurcation; whether motions grow, with \
+                 vibrations (flutter) or without (divergence), a modal step behind this one tells"
             ));
         }
         if converged.floor {
