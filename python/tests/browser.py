@@ -59,8 +59,14 @@ class InBrowser(unittest.TestCase):
     def opened(self, path: Path) -> None:
         """Opens a report and waits until it is drawn."""
         self.browser.get(path.as_uri())
+        # On a busy machine the driver may answer before the page has begun.
         outcome = self.browser.execute_async_script(
-            "const done = arguments[0]; window.report.then(() => done('drawn'), (e) => done(String(e.stack)));"
+            """const done = arguments[0];
+            const wait = () => {
+              if (window.report) window.report.then(() => done('drawn'), (e) => done(String(e.stack)));
+              else setTimeout(wait, 50);
+            };
+            wait();"""
         )
         self.assertEqual(outcome, "drawn")
 
