@@ -142,7 +142,7 @@ pub trait JobObserver {
     fn on_model(&mut self, _prepared: &Prepared, _columns: &[String]) {}
     /// A step is finished and recorded.
     fn on_step(&mut self, _progress: &Progress) {}
-    /// So many of the wanted modes of a modal or buckling analysis are found, with a basis of so many vectors.
+    /// Modes of a modal or buckling analysis that are found, of those wanted, and the number of vectors of the basis.
     fn on_modes(&mut self, _found: usize, _wanted: usize, _vectors: usize) {}
     /// State and history of the step that `on_step` has announced.
     fn on_recorded_step(&mut self, _step: &RecordedStep<'_>) {}

@@ -48,8 +48,8 @@ const ROUNDING: f64 = 1e-10;
 const MODE: f64 = 10.0;
 /// Share of drives in constraints that depend on each other, above which the mechanism cannot follow them.
 const DRIVEN: f64 = 1e-3;
-/// Size of a sum of gradients over the sum of their sizes, above which the constraints are independent: 100 times the inaccuracy with which
-/// redundant joints are placed.
+/// Size of a sum of gradients over the sum of their sizes, above which the constraints are independent. Redundant joints may be placed so inaccurately, as
+/// by an angle of this size.
 const INDEPENDENT: f64 = 1e-2;
 
 /// Number of products with a gradient that are summed together.

@@ -483,3 +483,8 @@ mod tests {
         );
     }
 }
+
+/// Product of two vectors of free degrees of freedom.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

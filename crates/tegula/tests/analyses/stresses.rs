@@ -172,7 +172,7 @@ fn a_sandwich_without_shear_correction_is_warned_of() {
 
 /// A long tube of the ratio R/h = 10 under internal pressure, in plane strain along its axis without Poisson's effect: the hoop stress E u/r is greater at the
 /// inner face. The strain ε − z κ of the elements `ems` has the gradient of the stretch of the curved surface the other way round, by h/R between the
-/// faces, and the right mean; strain gauges have the exact one.
+/// faces, and the right mean; strain gauges have the exact one, and so have the elements `cm`.
 #[test]
 fn the_stress_gradient_in_the_wall_of_a_tube_is_mirrored_and_that_of_gauges_is_not() {
     let [radius, h, young] = [1.0, 0.1, 1e9];
@@ -181,29 +181,39 @@ fn the_stress_gradient_in_the_wall_of_a_tube_is_mirrored_and_that_of_gauges_is_n
         let at = [r * 0.5_f64.sqrt(), 0.05, r * 0.5_f64.sqrt()];
         json!({ "type": "strain", "name": name, "on": "all", "at": at, "direction": [1.0, 0.0, -1.0] })
     };
-    let (system, state) = run(json!({
-        "analysis": { "type": "static", "linear": true },
-        "mesh": { "type": "cylinder", "axis": [0, 1, 0], "start": [1, 0, 0], "radius": radius, "angles": [0.0, -90.0], "length": 0.1, "grid": { "elements": [40, 1] } },
-        "materials": { "m": { "type": "isotropic", "young": young, "poisson": 0.0 } },
-        "sections": [{ "material": "m", "thickness": h }],
-        "conditions": [edge("u_min", ["z", "y"], "z"), edge("u_max", ["x", "y"], "x")],
-        "loads": [{ "type": "pressure", "value": -1e3 }],
-        "sensors": [gauge("inner", radius - 0.49 * h), gauge("outer", radius + 0.49 * h)]
-    }));
-    let shell = 20;
-    let geometry = system.geometry(&system.shells[shell]);
-    let outwards =
-        geometry.directors[0].dot(&Vec3::new(geometry.positions[0].x, 0.0, geometry.positions[0].z)) > 0.0;
-    let found = &recover(&system, &state)[shell];
-    let [top, bottom] = [found.stress_top, found.stress_bottom].map(|s| larger(s[0].abs(), s[1].abs()));
-    let [outer, inner] = if outwards { [top, bottom] } else { [bottom, top] };
-    let mean = 0.5 * (outer + inner);
+    let tube = |element: &str| {
+        run(json!({
+            "analysis": { "type": "static", "linear": true },
+            "mesh": { "type": "cylinder", "axis": [0, 1, 0], "start": [1, 0, 0], "radius": radius, "angles": [0.0, -90.0], "length": 0.1, "grid": { "elements": [40, 1] } },
+            "materials": { "m": { "type": "isotropic", "young": young, "poisson": 0.0 } },
+            "sections": [{ "element": element, "material": "m", "thickness": h }],
+            "conditions": [edge("u_min", ["z", "y"], "z"), edge("u_max", ["x", "y"], "x")],
+            "loads": [{ "type": "pressure", "value": -1e3 }],
+            "sensors": [gauge("inner", radius - 0.49 * h), gauge("outer", radius + 0.49 * h)]
+        }))
+    };
+    // Hoop stress at the outer and the inner face.
+    let stresses = |(system, state): &(System, State)| {
+        let geometry = system.geometry(&system.shells[20]);
+        let outwards =
+            geometry.directors[0].dot(&Vec3::new(geometry.positions[0].x, 0.0, geometry.positions[0].z))
+                > 0.0;
+        let found = &recover(system, state)[20];
+        let [top, bottom] = [found.stress_top, found.stress_bottom].map(|s| larger(s[0].abs(), s[1].abs()));
+        if outwards { [top, bottom] } else { [bottom, top] }
+    };
     // E u/r with the radius of the middle: 1 ∓ h/2R at the faces.
-    let variation = |[outer, inner]: [f64; 2]| (outer - inner) / mean / (h / radius);
-    let [at_inner, at_outer] = sensor_values(&system, &state)[..] else { panic!("two gauges") };
+    let mean = |[outer, inner]: [f64; 2]| 0.5 * (outer + inner);
+    let variation = |[outer, inner]: [f64; 2]| (outer - inner) / mean([outer, inner]) / (h / radius);
+    let ems = tube("ems");
+    let [at_inner, at_outer] = sensor_values(&ems.0, &ems.1)[..] else { panic!("two gauges") };
     let gauges = variation([young * at_outer.abs(), young * at_inner.abs()]);
-    assert!((variation([outer, inner]) - 1.0).abs() < 0.02, "{outer} {inner}");
+    let [cm, ems] = [stresses(&tube("cm")), stresses(&ems)];
+    assert!((variation(ems) - 1.0).abs() < 0.02, "{ems:?}");
+    assert!((variation(cm) + 1.0).abs() < 0.02, "{cm:?}");
     assert!((gauges + 0.98).abs() < 0.02, "{at_inner} {at_outer}");
     // Hoop force p R, at the mean radius on which the pressure acts.
-    assert!((mean / (1e3 * radius / h) - 1.0).abs() < 0.01, "{mean}");
+    for found in [cm, ems] {
+        assert!((mean(found) / (1e3 * radius / h) - 1.0).abs() < 0.01, "{found:?}");
+    }
 }

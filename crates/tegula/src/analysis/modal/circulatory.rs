@@ -11,8 +11,8 @@
 //! *Principles of structural stability*, 1968). Where the change is small the modes of K are those of the model; else the
 //! [complex](super::complex_modes) ones are found.
 
-use super::Mode;
 use super::problem::Problem;
+use super::{Mode, dot};
 use crate::analysis::State;
 use crate::analysis::potential::{Place, have_potential};
 use crate::element::{Motion, TangentWeights};
@@ -125,7 +125,6 @@ pub(super) fn matters(
             out
         })
         .collect();
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let lambdas: Vec<f64> = elastic.iter().map(|m| m.omega * m.omega.abs()).collect();
     // Coupling to all modes, including those that were not asked for: Nφ·(K − σM)⁻¹ Nφ = Σ N²/(λ − σ).
     let mut changes: Vec<f64> = products

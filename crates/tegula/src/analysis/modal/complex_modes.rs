@@ -18,7 +18,7 @@ use nalgebra::{Complex, DMatrix, DVector, Schur};
 
 use super::problem::{Problem, go_on};
 use super::spinning::{Spin, fixed_frame, gyroscopic};
-use super::{ModalOutcome, Mode, isotropy, lowest_modes};
+use super::{ModalOutcome, Mode, dot, isotropy, lowest_modes};
 use crate::analysis::{Observer, Statistics, Step};
 use crate::element::Nodal;
 use crate::norm::larger;
@@ -447,10 +447,6 @@ fn times(problem: &Problem, matrix: &[f64], x: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; x.len()];
     problem.pattern.add_product(matrix, x, &mut out);
     out
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Mode of unit modal mass, whose quadrature is the smallest.

@@ -6,7 +6,7 @@
 use super::complex_modes::{self, SkewParts};
 use super::problem::Problem;
 use super::spinning::Spin;
-use super::{COUPLED, Mode, circulatory, lowest_modes};
+use super::{COUPLED, Mode, circulatory, dot, lowest_modes};
 use crate::Result;
 use crate::analysis::{Silent, State};
 use crate::element::Nodal;
@@ -34,9 +34,6 @@ pub struct GrowingVibration {
 
 /// Lowest modes without the circulatory stiffness, with their eigenvalues ω².
 pub struct KnownModes(Vec<(f64, Vec<Nodal>)>);
-
-/// Solution with the symmetric tangent in place of the right side, in free degrees of freedom.
-pub type SolveAtRest<'a> = dyn FnMut(&mut [f64]) -> std::result::Result<(), String> + 'a;
 
 /// The vibration about an equilibrium under follower loads that grows most, among the lowest ones, and the modes that tell it of equilibria nearby; `None` where
 /// none grows, the loads have a potential or the model has no mass.
@@ -86,7 +83,7 @@ impl KnownModes {
         &self,
         system: &System,
         state: &State,
-        (frames, solve): (&LocalFrames, &mut SolveAtRest),
+        (frames, solve): (&LocalFrames, &mut dyn FnMut(&mut [f64]) -> std::result::Result<(), String>),
     ) -> bool {
         let Some(skew) = circulatory::stiffness(system, state) else { return true };
         if self.0.is_empty() {
@@ -126,7 +123,6 @@ fn reduced(
     vectors: &[(Vec<f64>, Vec<f64>)],
 ) -> Option<[DMatrix<f64>; 2]> {
     let (k, n) = (vectors.len(), system.unknowns());
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let products: Vec<[Vec<f64>; 2]> = vectors
         .iter()
         .map(|(x, _)| {

@@ -12,8 +12,8 @@ use nalgebra::{Complex, DMatrix, DVector};
 use tegula_sparse::Factor as _;
 use tegula_sparse::norm::larger;
 
-use super::Mode;
 use super::problem::Problem;
+use super::{Mode, dot};
 use crate::element::{Nodal, TangentWeights};
 use crate::model::ModalAnalysis;
 use crate::system::assembly::TangentCoefficients;
@@ -336,10 +336,6 @@ fn force(problem: &Problem, input: usize) -> Vec<f64> {
     let mut out = vec![0.0; problem.pattern.size()];
     problem.newton.assembly.frames.reduce(&field, &mut out);
     out
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn add(factor: f64, x: &[f64], out: &mut [f64]) {

@@ -207,7 +207,7 @@ impl<S: TangentSolver> Newton<S> {
         let has_mass = system.total_mass() > 0.0;
         let modes = if has_mass { self.unstable_modes(system, negative, None) } else { None };
         let start = modes.map(|(modes, _)| modes.sum());
-        let Some(start) = &start else { return self.eigenvalues_over(system, None, by_norm) };
+        let Some(start) = start.as_deref() else { return self.eigenvalues_over(system, None, by_norm) };
         let by_mass = self.eigenvalues_over(system, Some(start), |x, out| {
             out.fill([0.0; 3]);
             system.pattern.add_mass_product(1.0, x, out);
@@ -230,7 +230,7 @@ impl<S: TangentSolver> Newton<S> {
     fn eigenvalues_over(
         &mut self,
         system: &System,
-        start: Option<&Vec<Nodal>>,
+        start: Option<&[Nodal]>,
         mut metric: impl FnMut(&[Nodal], &mut [Nodal]),
     ) -> Result<NextToZero, String> {
         let size = system.unknowns();

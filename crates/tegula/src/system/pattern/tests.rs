@@ -98,19 +98,34 @@ fn compare(with_mass: bool) {
     let mut mass_values = vec![f64::NAN; pattern.values()];
     pattern.mass_values(&frames, &mut mass_values);
 
+    compare_products(
+        &pattern.compressed(&frames),
+        &frames,
+        [&values, &mass_values],
+        (factor, [&dense, &masses]),
+    );
+}
+
+/// Compares products with unit vectors with those of the dense matrices of stiffness and mass, whose multiple `factor` is part of the values.
+fn compare_products(
+    compressed: &SymmetricPattern,
+    frames: &LocalFrames,
+    [values, mass_values]: [&[f64]; 2],
+    (factor, [dense, masses]): (f64, [&[f64]; 2]),
+) {
+    let vectors = masses.len().isqrt();
     let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let free: Vec<(usize, Nodal)> = (0..vectors)
         .flat_map(|v| (0..3).map(move |c| (v, c)))
         .filter(|&(v, c)| frames.of(v)[c] != CONSTRAINED)
         .map(|(v, c)| (v, frames.to_global(v, unit[c])))
         .collect();
-    let compressed = pattern.compressed(&frames);
     for (q, &(w, d)) in free.iter().enumerate() {
         let mut x = vec![0.0; free.len()];
         x[q] = 1.0;
         let (mut sparse, mut sparse_mass) = (vec![0.0; free.len()], vec![0.0; free.len()]);
-        compressed.add_product(&values, &x, &mut sparse);
-        compressed.add_product(&mass_values, &x, &mut sparse_mass);
+        compressed.add_product(values, &x, &mut sparse);
+        compressed.add_product(mass_values, &x, &mut sparse_mass);
         for (p, &(v, e)) in free.iter().enumerate() {
             let m = masses[v * vectors + w] * (0..3).map(|c| e[c] * d[c]).sum::<f64>();
             let entry = |at: usize| dense[(3 * v + at / 3) * 3 * vectors + 3 * w + at % 3];

@@ -46,7 +46,8 @@ impl ArcLengthSteps<'_> {
         let judged = growing_vibration(self.system, &state, observer).map(|(found, modes)| {
             if modes.is_some() && !std::mem::replace(&mut self.watches, true) {
                 observer.on_event(
-                    "the loads have no potential: the six lowest modes of the equilibria are watched for flutter; of higher ones it is not told",
+                    "the loads have no potential: the six lowest modes of the equilibria are watched for flutter, higher ones are not; `path.negative_eigenvalues` counts those of the symmetric \
+                     part of the tangent, which do not tell the stability",
                 );
             }
             self.modes = modes;
