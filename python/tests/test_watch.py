@@ -178,7 +178,7 @@ class Watching(InBrowser):
         self.assertEqual((self.status(), run.end()), ("complete", 0))
         self.assertLess(time.monotonic() - began, 60)
         titles = [title.text for title in self.browser.find_elements(By.CSS_SELECTOR, ".u-title")]
-        self.assertEqual(titles[0], "equilibrium path (dashed: unstable)")
+        self.assertEqual(titles[0], "equilibrium path (dashed: negative eigenvalues)")
         self.assertGreater(self.drawn()[0], 5000)
         self.assert_silent()
 

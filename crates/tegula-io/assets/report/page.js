@@ -33,7 +33,7 @@ async function histories(holder, part) {
         }
       if (xs.length) curves.push({ name, xs, ys, marks: true, ink });
     }
-    if (curves.length) diagram(holder, unstable ? "equilibrium path (dashed: unstable)" : "load factor over displacement", "displacement", "load factor", curves);
+    if (curves.length) diagram(holder, unstable ? "equilibrium path (dashed: negative eigenvalues)" : "load factor over displacement", "displacement", "load factor", curves);
   }
   const energies = ENERGIES.filter((n) => columns.has(n)).map((n) => ({ name: n, ys: columns.get(n) }));
   if (energies.length) chart(holder, "energies", position ? "position on the path" : parameter, "energy", position || first, energies);

@@ -188,7 +188,7 @@ class LiveCurves {
     const largest = Math.max(0, ...names.map(size)), moving = names.filter((n) => largest > 0 && size(n) > 1e-6 * largest).slice(0, 7);
     const unstable = this.of("path.negative_eigenvalues"), dashed = unstable && unstable.map((n) => n > 0);
     const curves = moving.map((n) => ({ name: n, xs: this.of(n), ys: this.columns[0], dashed }));
-    const title = position ? "equilibrium path (dashed: unstable)" : "load factor over displacement";
+    const title = position ? "equilibrium path (dashed: negative eigenvalues)" : "load factor over displacement";
     this.plot(title, curves, (place, own) => diagram(place, title, "displacement", "load factor", own), (known, own) => {
       known.curves.forEach((curve, i) => Object.assign(curve, own[i]));
       known.plot.renew();

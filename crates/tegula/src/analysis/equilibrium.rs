@@ -232,8 +232,10 @@ pub(super) fn find_multipliers(
         right[i] = product(gradient, &weighted);
         gradient.iter().for_each(|&(n, _)| dense[n as usize] = 0.0);
     }
-    schur.factor();
-    schur.solve(&mut right, &[], &mut state.multipliers);
+    if m > 0 {
+        schur.factor();
+        schur.solve(&mut right, &[], &mut state.multipliers);
+    }
     for (gradient, multiplier) in gradients.iter().zip(&state.multipliers) {
         gradient.iter().for_each(|&(n, g)| free[n as usize] -= g * multiplier);
     }

@@ -32,7 +32,7 @@ use crate::{Error, Result};
 pub use complex_modes::ComplexPart;
 use complex_modes::SkewParts;
 pub(super) use convergence::{Target, ritz_pairs};
-pub(super) use growing::{GrowingVibration, KnownModes, growing_vibration};
+pub(super) use growing::{GrowingMotion, KnownModes, growing_motion};
 use problem::Problem;
 pub(super) use problem::{go_on, has_springs, is_preloaded};
 pub use reduced_model::ReducedModel;
@@ -229,7 +229,7 @@ fn lowest_modes(
     let system = problem.system;
     problem.first_shift(&*observer)?;
     let groups = 0..problem.groups.len();
-    let all = problem.rigid.len() + groups.clone().map(|group| problem.modes_of(group)).sum::<usize>();
+    let all = problem.number_of_modes();
     if all == 0 {
         observer.on_warning("supports and joints hold the whole model: it has no modes");
     } else if wanted > all {
@@ -466,6 +466,11 @@ fn mode(
     })
 }
 
+/// Product of two vectors of free degrees of freedom.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::is_resolved;
@@ -482,9 +487,4 @@ mod tests {
                 && !is_resolved(1.0, 1.2, f64::NAN)
         );
     }
-}
-
-/// Product of two vectors of free degrees of freedom.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -282,3 +282,113 @@ fn the_onset_of_flutter_does_not_depend_on_the_steps_of_the_path() {
         assert!((load / loads[0] - 1.0).abs() < 5e-5, "{loads:?}");
     }
 }
+
+/// Ziegler's pendulum of two links of length l = 1 with masses at their ends, torsion springs of stiffness c = 1 and a follower force P.
+fn double_pendulum(force: f64, analysis: serde_json::Value) -> Model {
+    let body = |name: &str, x: f64, mass: f64| serde_json::json!({ "name": name, "at": [x, 0.0, 0.0], "mass": mass, "inertia": [0.01 * mass, 0.01 * mass, 0.01 * mass] });
+    let hinge = |name: &str, between: [&str; 2], x: f64| serde_json::json!({ "type": "revolute", "name": name, "between": between, "at": [x, 0.0, 0.0], "axis": [0.0, 0.0, 1.0] });
+    let spring = |name: &str, between: [&str; 2]| serde_json::json!({ "name": name, "between": between, "axis": [0.0, 0.0, 1.0], "stiffness": 1.0 });
+    serde_json::from_value(serde_json::json!({
+        "bodies": [body("a", 1.0, 2.0), body("b", 2.0, 1.0)],
+        "joints": [hinge("h1", ["ground", "a"], 0.0), hinge("h2", ["a", "b"], 1.0)],
+        "torsion_springs": [spring("s1", ["ground", "a"]), spring("s2", ["a", "b"])],
+        "loads": [{ "type": "follower-force", "on": "b", "value": [-force, 0.0, 0.0] }],
+        "analysis": analysis
+    }))
+    .unwrap()
+}
+
+/// Discriminant of the equation of ω² of the double pendulum, from K + N and M of the two angles.
+fn discriminant(p: f64) -> (f64, f64) {
+    let mass = DMatrix::from_row_slice(2, 2, &[3.0 + 0.02, 1.0, 1.0, 1.0 + 0.01]);
+    let stiffness = DMatrix::from_row_slice(2, 2, &[2.0 - p, p - 1.0, -1.0, 1.0]);
+    let a = mass.lu().solve(&stiffness).unwrap();
+    ((a[(0, 0)] - a[(1, 1)]).powi(2) + 4.0 * a[(0, 1)] * a[(1, 0)], (0.5 * a.trace()).sqrt())
+}
+
+/// At the onset itself both eigenvectors are one: the frequency of a double pendulum is found twice, to the square root of round-off.
+#[test]
+fn modes_at_the_onset_of_flutter_are_the_double_one() {
+    let (mut low, mut high) = (1.5, 2.5);
+    assert!(discriminant(low).0 > 0.0 && discriminant(high).0 < 0.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if discriminant(middle).0 > 0.0 { low = middle } else { high = middle }
+    }
+    for distance in [-1e-12, 0.0, 1e-15, 1e-12] {
+        let force = low * (1.0 + distance);
+        let analysis = serde_json::json!({ "type": "modal", "modes": 2, "prestressed": true });
+        let found = modes(&double_pendulum(force, analysis), &mut Notes::default());
+        let omega = discriminant(force).1;
+        for mode in &found {
+            let growth = mode.complex.as_ref().unwrap().growth;
+            assert!((mode.omega - omega).abs() < 1e-5 * omega && growth.abs() < 1e-5, "{distance} {mode:?}");
+        }
+    }
+}
+
+/// Complex modes of a column without mass that carries a mass are not found; the path is, and says so once.
+#[test]
+fn paths_of_parts_without_mass_go_on_without_the_search_for_flutter() {
+    let mut m = beck(4.0, 2, true);
+    if let Some(Material::Isotropic(material)) = m.materials.values_mut().next() {
+        material.density = 0.0;
+    }
+    m.masses = serde_json::from_str(r#"[{ "type": "point", "on": "u_max", "value": 0.3 }]"#).unwrap();
+    let options = PathAnalysis { end_load: 1.0, ..PathAnalysis::default() };
+    m.analysis = Analysis::Path(options.clone());
+    let mut notes = Notes::default();
+    let outcome = path::run(&compile(&m).1, &options, None, &mut notes).unwrap();
+    assert_eq!(outcome.state.time, 1.0);
+    let told = |text: &&String| text.contains("is not known: parts of the model have no mass");
+    assert_eq!(notes.events.iter().filter(told).count(), 1, "{:?}", notes.events);
+    assert!(notes.warnings.is_empty(), "{:?}", notes.warnings);
+}
+
+/// Real circular frequencies below the third of a column with m L = 1 under a follower force p EI/L² that carries a mass μ m L at its end: roots of
+/// the boundary conditions w″ = 0, w‴ + μ Ω² w = 0 of the equation w⁗ + p w″ − Ω² w = 0 (A. Pflüger, ZAMM 35 (1955) 191; V. V. Bolotin, *Nonconservative
+/// problems of the theory of elastic stability*, 1963, Sect. 2.3).
+fn real_frequencies_with_mass(p: f64, mass: f64) -> usize {
+    let determinant = |omega: f64| {
+        let middle = (omega * omega + p * p / 4.0).sqrt();
+        let [a, b] = [(middle + p / 2.0).sqrt(), (middle - p / 2.0).sqrt()];
+        let [deflection, moment, shear] = [
+            [b.cosh() - a.cos(), a * b.sinh() - b * a.sin()],
+            [b * b * b.cosh() + a * a * a.cos(), a * b * (b * b.sinh() + a * a.sin())],
+            [b.powi(3) * b.sinh() - a.powi(3) * a.sin(), a * b * (b * b * b.cosh() + a * a * a.cos())],
+        ];
+        let end = [0, 1].map(|i| shear[i] + mass * omega * omega * deflection[i]);
+        (moment[0] * end[1] - moment[1] * end[0]) / b.cosh()
+    };
+    let values: Vec<f64> = (0..4000).map(|i| determinant(1e-4 * (6e5_f64).powf(i as f64 / 3999.0))).collect();
+    values.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count()
+}
+
+/// A light column with a heavy end flutters in a narrow interval of loads only and diverges behind it; a path that steps over the interval locates it.
+#[test]
+fn flutter_before_divergence_of_a_column_with_a_heavy_end_is_located() {
+    let (mut low, mut high) = (19.0, 21.0);
+    let before = real_frequencies_with_mass(low, 9000.0);
+    assert_eq!(before, real_frequencies_with_mass(high, 9000.0) + 2);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if real_frequencies_with_mass(middle, 9000.0) == before { low = middle } else { high = middle }
+    }
+    for end in [21.0, 25.0, 40.0] {
+        let mut m = beck(end, 2, true);
+        m.masses = serde_json::from_str(r#"[{ "type": "point", "on": "u_max", "value": 4500.0 }]"#).unwrap();
+        let options = PathAnalysis { end_load: 1.0, ..PathAnalysis::default() };
+        m.analysis = Analysis::Path(options.clone());
+        let mut notes = Notes::default();
+        let path = path::run(&compile(&m).1, &options, None, &mut notes).unwrap().state.path.unwrap();
+        println!(
+            "{low} {:?} {:?}",
+            path.critical.iter().map(|c| end * c.load).collect::<Vec<_>>(),
+            notes.warnings
+        );
+        let onset = &path.critical[0];
+        assert_eq!(onset.kind, CriticalKind::Flutter);
+        assert!((end * onset.load / low - 1.0).abs() < 2e-3, "{low} {}", end * onset.load);
+        assert!(notes.warnings.iter().any(|text| text.contains("flutter")), "{:?}", notes.warnings);
+    }
+}

@@ -49,3 +49,20 @@ fn strip_with_load(force: f64) -> Model {
     m.loads = vec![Load::Edge(vector_load("u_max", [0.0, 0.0, force]))];
     m
 }
+
+/// A mass between two springs of unlike forces, without joints: the modes are those about no equilibrium.
+#[test]
+fn springs_that_nothing_balances_are_warned_of_in_models_without_joints() {
+    let spring = |name: &str, x: f64, stiffness: f64| serde_json::json!({ "name": name, "between": ["ground", "b"], "points": [[x, 0.0, 0.0], [0.0, 0.0, 0.0]], "stiffness": stiffness, "length": 0.5 });
+    for (second, warned) in [(50.0, true), (100.0, false)] {
+        let m = serde_json::json!({
+            "analysis": { "type": "modal", "modes": 3 },
+            "bodies": [{ "name": "b", "at": [0.0, 0.0, 0.0], "mass": 1.0 }],
+            "springs": [spring("s1", -1.0, 100.0), spring("s2", 1.0, second)]
+        });
+        let (_, system) = compile(&serde_json::from_value(m).unwrap());
+        let mut notes = Notes::default();
+        modal::run(&system, 3, None, &mut notes).unwrap();
+        assert_eq!(notes.warnings.iter().any(|text| text.contains("do not balance")), warned, "{second}");
+    }
+}

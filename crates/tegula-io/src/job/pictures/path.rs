@@ -114,7 +114,7 @@ pub(super) fn load_displacement(
         x_label: with_unit("displacement", model.output.units.length.as_deref()),
         y_label: "load factor".into(),
         series,
-        note: "Dashed: unstable equilibria.".into(),
+        note: "Dashed: negative eigenvalues of the tangent, of its symmetric part under loads without a potential.".into(),
         ..LinePlot::default()
     };
     lines(&folder.join("load_displacement.png"), &plot)

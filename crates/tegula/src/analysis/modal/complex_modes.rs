@@ -94,6 +94,8 @@ type Pair = [Vec<f64>; 2];
 
 /// The basis, with the products of its vectors with K + N, M and G.
 struct Basis {
+    /// Number of motions that the model has: further vectors would be round-off across its joints.
+    most: usize,
     vectors: Vec<Vec<f64>>,
     products: [Vec<Vec<f64>>; 3],
 }
@@ -139,7 +141,7 @@ pub(super) fn modes(
     if let Some(spin) = skew.spin.as_ref().filter(|spin| !spin.with_ground) {
         isotropy::refuse(problem, spin)?;
     }
-    let mut basis = Basis::new();
+    let mut basis = Basis::new(problem.number_of_modes());
     let mut free = vec![0.0; problem.pattern.size()];
     for mode in &real {
         problem.newton.assembly.frames.components(&mode.shape, &mut free);
@@ -232,7 +234,7 @@ fn iterate(
             break;
         }
         if basis.vectors.len() > MOST_VECTORS * wanted {
-            basis = Basis::new();
+            basis = Basis::new(basis.most);
             for vector in found.iter().flat_map(|mode| &mode.vector) {
                 basis.add(problem, skew, vector.clone());
             }
@@ -289,12 +291,15 @@ impl Observer for Quiet<'_> {
 }
 
 impl Basis {
-    fn new() -> Self {
-        Self { vectors: Vec::new(), products: Default::default() }
+    fn new(most: usize) -> Self {
+        Self { most, vectors: Vec::new(), products: Default::default() }
     }
 
     /// Adds a vector, orthogonal in the mass to all others, unless these contain it.
     fn add(&mut self, problem: &mut Problem, skew: &SkewParts, mut x: Vec<f64>) {
+        if self.vectors.len() >= self.most {
+            return;
+        }
         let norm = |problem: &Problem, x: &[f64]| dot(x, &times(problem, &problem.mass, x)).max(0.0).sqrt();
         for _ in 0..2 {
             let before = norm(problem, &x);

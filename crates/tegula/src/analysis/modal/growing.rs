@@ -1,33 +1,35 @@
-//! Vibrations about an equilibrium under loads without a potential that grow, among the lowest ones, as a path looks for them at each of its equilibria.
+//! Motions about an equilibrium under loads without a potential that grow, among the lowest modes, as a path looks for them at each of its equilibria.
 //!
 //! The modes of K of an equilibrium nearby tell where this cannot be: one step of inverse iteration, `X = K⁻¹ M Φ`, brings them to those of the equilibrium
-//! at hand, whose eigenvalues on this space are exact but for the square of the error of X. Where they stay real with N enlarged by half, no vibration grows.
+//! at hand, whose eigenvalues on this space are exact but for the square of the error of X. Where they stay real and positive with N enlarged by half, no motion grows.
 
 use super::complex_modes::{self, SkewParts};
 use super::problem::Problem;
 use super::spinning::Spin;
 use super::{COUPLED, Mode, circulatory, dot, lowest_modes};
-use crate::Result;
 use crate::analysis::{Silent, State};
 use crate::element::Nodal;
 use crate::system::{CirculatoryStiffness, LocalFrames, System};
-use nalgebra::DMatrix;
+use crate::{Error, Result};
+use nalgebra::{Complex, DMatrix};
 
-/// Lowest modes among which vibrations that grow are looked for.
+/// Lowest modes among which motions that grow are looked for.
 const WATCHED: usize = 6;
-/// Factor on N with which eigenvalues that stay real tell that no vibration grows.
+/// Factor on N with which eigenvalues that stay real and positive tell that no motion grows.
 const MARGIN: f64 = 1.5;
 /// Change of an eigenvalue over it since the modes were found, above which they are found anew: others may be among the lowest ones.
 const CHANGED: f64 = 0.2;
 /// Imaginary part of an eigenvalue over its size that is round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Vibration about an equilibrium that grows.
-pub struct GrowingVibration {
+/// Motion about an equilibrium that grows.
+pub struct GrowingMotion {
     /// Growth rate [1/time].
     pub growth: f64,
-    /// Circular frequency [rad/time].
+    /// Circular frequency [rad/time]; 0 where it does not vibrate.
     pub omega: f64,
+    /// Number of all motions found that grow without vibrating: of real negative eigenvalues ω².
+    pub divergent: usize,
     /// Real part of the complex mode in all nodal vectors.
     pub shape: Vec<Nodal>,
 }
@@ -35,21 +37,28 @@ pub struct GrowingVibration {
 /// Lowest modes without the circulatory stiffness, with their eigenvalues ω².
 pub struct KnownModes(Vec<(f64, Vec<Nodal>)>);
 
-/// The vibration about an equilibrium under follower loads that grows most, among the lowest ones, and the modes that tell it of equilibria nearby; `None` where
+/// Solution with the symmetric tangent in place of the right side, in free degrees of freedom.
+pub type SolveAtRest<'a> = dyn FnMut(&mut [f64]) -> std::result::Result<(), String> + 'a;
+
+/// The motion about an equilibrium under follower loads that grows most, a vibration where one grows, among the lowest modes, and the modes that tell it of equilibria nearby; `None` where
 /// none grows, the loads have a potential or the model has no mass.
 ///
 /// # Errors
-/// The modes are not found.
-pub fn growing_vibration(
-    system: &System,
-    state: &State,
-) -> Result<(Option<GrowingVibration>, Option<KnownModes>)> {
+/// The modes are not found, or parts of the model have no mass.
+pub fn growing_motion(system: &System, state: &State) -> Result<(Option<GrowingMotion>, Option<KnownModes>)> {
     if !(system.total_mass() > 0.0) {
         return Ok((None, None));
     }
     let Some(stiffness) = circulatory::stiffness(system, state) else { return Ok((None, None)) };
     circulatory::refuse_loads_of_unknown_stiffness(system, state)?;
     let mut problem = Problem::new(system, Some(state))?;
+    if problem.pattern.diagonal(&problem.mass).any(|mass| !(mass > 0.0)) {
+        return Err(Error::NotConverged {
+            at: "the modes".into(),
+            reason: "parts of the model have no mass, and complex modes are not found without (give their density)".into(),
+            help: String::new(),
+        });
+    }
     if let Some(spin) = Spin::of(system, state.time).filter(|spin| spin.omega != 0.0) {
         let parts = SkewParts { spin: Some(spin), circulatory: Some(stiffness) };
         let found = complex_modes::modes(&mut problem, (WATCHED, &parts), None, &mut Silent)?;
@@ -67,23 +76,27 @@ pub fn growing_vibration(
     Ok((growing, Some(KnownModes(known))))
 }
 
-/// The one of complex modes that grows most, if one vibrates and grows.
-fn most_growing(modes: Vec<Mode>) -> Option<GrowingVibration> {
-    let of_mode = |Mode { omega, shape, complex, .. }: Mode| {
-        Some(GrowingVibration { growth: complex?.growth, omega, shape })
-    };
-    let growing = modes.into_iter().filter_map(of_mode).filter(|mode| mode.growth > 0.0 && mode.omega > 0.0);
-    growing.max_by(|a, b| a.growth.total_cmp(&b.growth))
+/// The one of complex modes that grows most, a vibration where one grows.
+fn most_growing(modes: Vec<Mode>) -> Option<GrowingMotion> {
+    let growth = |mode: &Mode| mode.complex.as_ref().map_or(0.0, |part| part.growth);
+    let growing: Vec<Mode> = modes.into_iter().filter(|mode| growth(mode) > 0.0).collect();
+    let divergent = growing.iter().filter(|mode| mode.omega == 0.0).count();
+    let rank = |mode: &Mode| (mode.omega != 0.0, growth(mode));
+    let most = growing.into_iter().max_by(|a, b| {
+        let (a, b) = (rank(a), rank(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    })?;
+    Some(GrowingMotion { growth: growth(&most), omega: most.omega, divergent, shape: most.shape })
 }
 
 impl KnownModes {
-    /// Whether no vibration about an equilibrium nearby grows, by the modes of this one: `solve` has the factored tangent of the equilibrium there, in its
+    /// Whether no motion about an equilibrium nearby grows, by the modes of this one: `solve` has the factored tangent of the equilibrium there, in its
     /// local frames. False where this is not certain.
     pub fn exclude_growth(
         &self,
         system: &System,
         state: &State,
-        (frames, solve): (&LocalFrames, &mut dyn FnMut(&mut [f64]) -> std::result::Result<(), String>),
+        (frames, solve): (&LocalFrames, &mut SolveAtRest),
     ) -> bool {
         let Some(skew) = circulatory::stiffness(system, state) else { return true };
         if self.0.is_empty() {
@@ -110,9 +123,8 @@ impl KnownModes {
         then.sort_by(f64::total_cmp);
         let alike = now.iter().zip(&then).all(|(now, then)| (now - then).abs() <= CHANGED * then.abs());
         let enlarged = stiffness + circulatory * MARGIN;
-        let is_real =
-            enlarged.complex_eigenvalues().iter().all(|value| value.im.abs() <= ROUND_OFF * value.norm());
-        alike && is_real
+        let is_vibration = |value: &Complex<f64>| value.re > 0.0 && value.im.abs() <= ROUND_OFF * value.re;
+        alike && enlarged.complex_eigenvalues().iter().all(is_vibration)
     }
 }
 

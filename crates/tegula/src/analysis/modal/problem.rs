@@ -265,6 +265,11 @@ impl<'a> Problem<'a> {
         self.groups[group].elastic().saturating_sub(constraints.filter(of_group).count())
     }
 
+    /// Number of all motions of the model, at the present factor.
+    pub fn number_of_modes(&self) -> usize {
+        self.rigid.len() + (0..self.groups.len()).map(|group| self.modes_of(group)).sum::<usize>()
+    }
+
     /// Changes a vector to one that keeps the joints closed.
     pub fn constrain(&mut self, x: &mut [f64]) {
         if let Some(constraints) = &mut self.newton.constraints {

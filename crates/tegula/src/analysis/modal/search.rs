@@ -131,7 +131,7 @@ impl Search {
         let size = |i: usize| self.lambdas[i].abs().max(problem.groups[self.group].shift.abs());
         let is_gap = |i: &usize| self.lambdas[*i] - self.lambdas[*i - 1] > GAP * size(*i);
         let behind = (self.wanted.max(1)..self.lambdas.len()).find(is_gap);
-        let before = || (1..self.wanted).rev().find(is_gap);
+        let before = || (1..self.wanted.min(self.lambdas.len())).rev().find(is_gap);
         match (behind.or_else(before), self.lambdas.first()) {
             (Some(i), _) => {
                 let (low, high) = (self.lambdas[i - 1], self.lambdas[i]);

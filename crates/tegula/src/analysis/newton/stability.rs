@@ -153,7 +153,7 @@ impl<S: TangentSolver> Newton<S> {
         Some((UnstableModes::of(system, frames, negative, &mut solve)?, false))
     }
 
-    /// Whether no vibration about the equilibrium of the tangent factored last grows, by the known modes of an equilibrium nearby.
+    /// Whether no motion about the equilibrium of the tangent factored last grows, by the known modes of an equilibrium nearby.
     pub(in crate::analysis) fn exclude_growth(
         &mut self,
         system: &System,

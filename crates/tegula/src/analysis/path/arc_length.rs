@@ -24,7 +24,7 @@ use super::state::{
 };
 use super::{SeriesSteps, branch, first_state};
 use crate::analysis::bending_watch::BendingWatch;
-use crate::analysis::modal::{GrowingVibration, KnownModes};
+use crate::analysis::modal::{GrowingMotion, KnownModes};
 use crate::analysis::newton::{LoadResponse, NOTHING_MOVES, Newton, PathTangent, Plane, Tolerances};
 use crate::analysis::potential::{Place, have_potential};
 use crate::analysis::solver::TangentSolver as _;
@@ -86,6 +86,8 @@ pub struct ArcLengthSteps<'a> {
     modes: Option<KnownModes>,
     /// Whether it is told that equilibria are watched for flutter.
     watches: bool,
+    /// Whether it is told that the modes of the equilibria are not found.
+    unknown: bool,
     bending: BendingWatch,
 }
 
@@ -108,8 +110,8 @@ struct Outcome {
     critical: Vec<Found>,
     /// Unstable modes at the end, where they are known.
     unstable: Option<UnstableModes>,
-    /// Vibration about the end that grows, if one does, where it was looked for.
-    vibration: Option<Option<GrowingVibration>>,
+    /// Motion about the end that grows, if one does, where it was looked for.
+    growing: Option<Option<GrowingMotion>>,
     /// Length of the next step.
     length: f64,
 }
@@ -144,6 +146,7 @@ impl<'a> ArcLengthSteps<'a> {
             unstable: None,
             modes: None,
             watches: false,
+            unknown: false,
             bending: BendingWatch::new(),
             earlier: 0,
             limit: f64::INFINITY,
@@ -343,7 +346,7 @@ impl<'a> ArcLengthSteps<'a> {
             critical.sort_by(|p, q| p.a.total_cmp(&q.a));
             self.gets_away(&critical)?;
         }
-        let (vibration, onset) = self.flutter_within((arc, &mut known, negative), &end, observer);
+        let (growing, onset) = self.flutter_within((arc, &mut known, negative), &end, &critical, observer);
         critical.extend(onset);
         critical.sort_by(|p, q| p.a.total_cmp(&q.a));
         let judged = end.a;
@@ -351,14 +354,14 @@ impl<'a> ArcLengthSteps<'a> {
             let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), &end));
             if let Some(end) = self.go_over(arc, known, &mut critical, observer)? {
                 let length = (ON_BRANCH * branch::FIRST).min(planned);
-                return Ok(Outcome { end, negative, critical, unstable: None, vibration: None, length });
+                return Ok(Outcome { end, negative, critical, unstable: None, growing: None, length });
             }
             self.end_inside(arc, known, (&mut critical, negative), &mut end, observer)?;
         }
         let stays = end.a == judged;
         let unstable = unstable.map(|(modes, _)| modes).filter(|_| stays);
-        let vibration = vibration.filter(|_| stays);
-        Ok(Outcome { end, negative, critical, unstable, vibration, length: next })
+        let growing = growing.filter(|_| stays);
+        Ok(Outcome { end, negative, critical, unstable, growing, length: next })
     }
 
     /// Whether the follower loads have a potential at an equilibrium: then the tangent is symmetric.
@@ -403,9 +406,9 @@ impl<'a> ArcLengthSteps<'a> {
 
     /// Makes the end of a step the state.
     fn accept(&mut self, outcome: Outcome, observer: &mut dyn Observer) {
-        let Outcome { end, negative, critical, unstable, vibration, length } = outcome;
+        let Outcome { end, negative, critical, unstable, growing, length } = outcome;
         self.unstable = unstable;
-        let Self { newton, system, state, equation, options, .. } = self;
+        let Self { newton, system, state, equation, options, unknown, .. } = self;
         if state.step == 0 {
             let redundant = newton.constraints.iter().flat_map(|constraints| constraints.redundant(system));
             redundant.for_each(|message| observer.on_warning(&message));
@@ -426,7 +429,8 @@ impl<'a> ArcLengthSteps<'a> {
         self.statistics.steps = state.step;
         let is_onset = |found: &&Found| found.point.kind == CriticalKind::Flutter;
         let onset = critical.iter().find(is_onset).map(|found| found.point.load);
-        flutter::look((system, before), state, (vibration, onset), observer);
+        let divergent = flutter::expected(state.path.as_deref(), &critical);
+        flutter::look((system, before, divergent), (state, unknown), (growing, onset), observer);
         let Some(path) = &mut state.path else { return };
         let mut negative = negative as i32;
         for Found { a, point } in critical {
@@ -472,7 +476,7 @@ impl Stepper for ArcLengthSteps<'_> {
         let before = self.statistics.iterations;
         let start = self.state.step == 0 && self.path().is_some_and(|path| path.arc.is_none());
         if start {
-            flutter::look_at_start(self.system, &mut self.state, observer);
+            flutter::look_at_start(self.system, (&mut self.state, &mut self.unknown), observer);
         }
         if let Some(direction) = away_from_critical_point(self.system, &self.options).filter(|_| start) {
             let outcome = self.step_away(direction, observer);

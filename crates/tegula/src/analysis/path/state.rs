@@ -225,9 +225,14 @@ impl PathState {
         let passed = self.critical.iter().filter(|point| point.kind == CriticalKind::Bifurcation).count();
         let wanted = self.critical.iter().any(|point| point.kind.ends(options));
         if options.end_at.is_some() && !wanted {
-            observer.on_warning(
-                "the path has not ended at a critical point (`end_at`): it has passed none of the kind that is named",
-            );
+            let among = if options.end_at == Some(PathEnd::Flutter) {
+                " and was found among the six lowest modes"
+            } else {
+                ""
+            };
+            observer.on_warning(&format!(
+                "the path has not ended at a critical point (`end_at`): it has passed none of the kind that is named{among}"
+            ));
         }
         for number in options.switch_at.iter().filter(|number| number.unsigned_abs() as usize > passed) {
             observer.on_warning(&format!(

@@ -7,7 +7,7 @@
 use super::inside_step::Known;
 use super::{ArcLengthSteps, ArcStart, End};
 use crate::Error;
-use crate::analysis::modal::{self, GrowingVibration, KnownModes};
+use crate::analysis::modal::{self, GrowingMotion, KnownModes};
 use crate::analysis::path::critical_points::Found;
 use crate::analysis::path::state::{CriticalKind, CriticalPoint, PathState};
 use crate::analysis::{Observer, State};
@@ -20,19 +20,20 @@ const LOCATED: f64 = 1e-5;
 /// roots of that of the matrices.
 const NEXT_TO_ONSET: f64 = 0.01;
 /// Largest number of equilibria whose vibrations are looked at for it.
-const MOST_TRIALS: usize = 16;
+const MOST_TRIALS: usize = 24;
 /// Part of the way from the last onset that a secant tells to the nearest equilibrium behind it, at which the vibrations are looked at next: they grow there.
 const BEHIND: f64 = 0.1;
 
-/// Vibration about an equilibrium that grows, if one does; the outer option is `None` where the modes are not found.
-type Judged = Option<Option<GrowingVibration>>;
+/// Motion about an equilibrium that grows, if one does; the outer option is `None` where the modes are not found.
+type Judged = Option<Option<GrowingMotion>>;
 
 impl ArcLengthSteps<'_> {
-    /// Vibrations about the end of a step, and where they begin to grow within the step.
+    /// Motions about the end of a step, and where they begin to grow within the step, which has these critical points.
     pub(super) fn flutter_within(
         &mut self,
         (arc, known, negative): (&ArcStart, &mut Option<Known>, usize),
         end: &End,
+        critical: &[Found],
         observer: &mut dyn Observer,
     ) -> (Judged, Option<Found>) {
         let state = self.state_at(end);
@@ -43,7 +44,7 @@ impl ArcLengthSteps<'_> {
         {
             return (Some(None), None);
         }
-        let judged = growing_vibration(self.system, &state, observer).map(|(found, modes)| {
+        let judged = growing_motion((self.system, &mut self.unknown), &state, observer).map(|(found, modes)| {
             if modes.is_some() && !std::mem::replace(&mut self.watches, true) {
                 observer.on_event(
                     "the loads have no potential: the six lowest modes of the equilibria are watched for flutter, higher ones are not; `path.negative_eigenvalues` counts those of the symmetric \
@@ -53,9 +54,14 @@ impl ArcLengthSteps<'_> {
             self.modes = modes;
             found
         });
-        let Some(Some(vibration)) = judged.as_ref().filter(|_| !began_before) else { return (judged, None) };
+        let divergent = expected(self.path(), critical);
+        let judged = judged.map(|growing| growing.filter(|motion| is_untold(motion, divergent)));
+        // The number of motions without vibration changes at bifurcations of the step, too.
+        let is_located = |motion: &&GrowingMotion| motion.omega > 0.0 || critical.is_empty();
+        let growing = judged.as_ref().and_then(Option::as_ref).filter(|_| !began_before);
+        let Some(vibration) = growing.filter(is_located) else { return (judged, None) };
         let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), end));
-        let located = self.onset_of_flutter(known, (end.a, vibration), observer);
+        let located = self.onset_of_flutter(known, (end.a, vibration, divergent), observer);
         (judged, located)
     }
 
@@ -71,29 +77,34 @@ impl ArcLengthSteps<'_> {
         }
     }
 
-    /// Onset of flutter in a step that begins without it and ends at the distance `length` with this growing vibration; `None` where it is not located.
+    /// Onset of flutter in a step that begins without it and ends at the distance `length` with this growing motion, beside the `divergent` ones that bifurcations
+    /// explain; `None` where it is not located.
     fn onset_of_flutter(
         &mut self,
         known: &mut Known,
-        (length, vibration): (f64, &GrowingVibration),
+        (length, vibration, divergent): (f64, &GrowingMotion, usize),
         observer: &mut dyn Observer,
     ) -> Option<Found> {
         // Places before the onset, and behind it with γ².
-        let (mut before, mut behind) = (0.0, (length, vibration.growth * vibration.growth));
+        let square =
+            |motion: &GrowingMotion| if motion.omega > 0.0 { motion.growth.powi(2) } else { f64::NAN };
+        let (mut before, mut behind) = (0.0, (length, square(vibration)));
         let (mut next, mut last) = (0.5 * length, None::<f64>);
         for _ in 0..MOST_TRIALS {
             if observer.interrupted() {
                 return None;
             }
             let trial = self.equilibrium_near(known, next, observer).ok()?;
-            let (growing, _) = growing_vibration(self.system, &self.state_at(&trial), observer)?;
+            let state = self.state_at(&trial);
+            let (growing, _) = growing_motion((self.system, &mut self.unknown), &state, observer)?;
             known.add(trial);
-            let Some(GrowingVibration { growth, omega, mut shape, .. }) = growing else {
+            let Some(motion) = growing.filter(|motion| is_untold(motion, divergent)) else {
                 before = next;
                 next = 0.5 * (before + behind.0);
                 continue;
             };
-            let here = (next, growth * growth);
+            let here = (next, square(&motion));
+            let GrowingMotion { growth, omega, mut shape, .. } = motion;
             let zero = here.0 - here.1 * (behind.0 - here.0) / (behind.1 - here.1);
             behind = here;
             let is_next_to_onset = growth <= NEXT_TO_ONSET * omega;
@@ -127,15 +138,33 @@ impl ArcLengthSteps<'_> {
     }
 }
 
+/// Number of motions that bifurcations and limit points explain, which grow without vibrating.
+pub(super) fn expected(path: Option<&PathState>, critical: &[Found]) -> usize {
+    let before = path.iter().flat_map(|path| &path.critical).map(|point| point.change);
+    let changes: i32 = before.chain(critical.iter().map(|found| found.point.change)).sum();
+    changes.max(0) as usize
+}
+
+/// Whether a motion vibrates, or more of them grow without vibrating than the `divergent` ones that critical points explain: two frequencies have met and become
+/// two such motions.
+fn is_untold(motion: &GrowingMotion, divergent: usize) -> bool {
+    motion.omega > 0.0 || motion.divergent > divergent
+}
+
 /// Looks at the equilibrium at which a path begins.
-pub(super) fn look_at_start(system: &System, state: &mut State, observer: &mut dyn Observer) {
-    let Some((growing, _)) = growing_vibration(system, state, observer) else { return };
+pub(super) fn look_at_start(
+    system: &System,
+    (state, unknown): (&mut State, &mut bool),
+    observer: &mut dyn Observer,
+) {
+    let Some((growing, _)) = growing_motion((system, unknown), state, observer) else { return };
     let Some(path) = state.path.as_deref_mut() else { return };
     path.flutters = growing.is_some();
-    if let Some(vibration) = growing {
+    if let Some(motion) = growing {
+        let kind = if motion.omega > 0.0 { "flutter" } else { "divergence" };
         observer.on_warning(&format!(
-            "the path begins at an equilibrium that is unstable by flutter: {}",
-            told(&vibration)
+            "the path begins at an equilibrium that is unstable by {kind}: {}",
+            told(&motion)
         ));
     }
 }
@@ -143,21 +172,23 @@ pub(super) fn look_at_start(system: &System, state: &mut State, observer: &mut d
 /// Looks at the equilibrium at the end of a step that has begun at the load factor `before`, where it has not been `judged`, and warns where vibrations about it
 /// grow that have not grown before, with the load factor of their onset where it was located; where they no longer grow, a message says so.
 pub(super) fn look(
-    (system, before): (&System, f64),
-    state: &mut State,
+    (system, before, divergent): (&System, f64, usize),
+    (state, unknown): (&mut State, &mut bool),
     (judged, onset): (Judged, Option<f64>),
     observer: &mut dyn Observer,
 ) {
-    let judge = || growing_vibration(system, state, observer).map(|(found, _)| found);
+    let judge = || growing_motion((system, unknown), state, observer).map(|(found, _)| found);
     let Some(growing) = judged.or_else(judge) else { return };
+    let growing = growing.filter(|motion| is_untold(motion, divergent));
     let (now, Some(PathState { flutters, .. })) = (state.time, state.path.as_deref_mut()) else { return };
     let between = format!("between load factors {before:.6} and {now:.6}");
     match (std::mem::replace(flutters, growing.is_some()), growing) {
-        (false, Some(vibration)) => {
+        (false, Some(motion)) => {
             let place = onset.map_or(between, |onset| format!("at load factor {onset:.6}"));
+            let what = if motion.omega > 0.0 { "" } else { ", and by divergence behind it" };
             observer.on_warning(&format!(
-                "{place} the equilibria of the path become unstable by flutter: at {now:.6} {}",
-                told(&vibration)
+                "{place} the equilibria of the path become unstable by flutter{what}: at {now:.6} {}",
+                told(&motion)
             ));
         }
         (true, None) => observer.on_event(&format!(
@@ -168,14 +199,19 @@ pub(super) fn look(
     }
 }
 
-/// Vibration about an equilibrium that grows, if one does, and its modes; `None`, with a message, where they are not found.
-fn growing_vibration(
-    system: &System,
+/// Motion about an equilibrium that grows, if one does, and its modes; `None` where they are not found, which a message tells at the first of such equilibria
+/// (`unknown`).
+fn growing_motion(
+    (system, unknown): (&System, &mut bool),
     state: &State,
     observer: &mut dyn Observer,
-) -> Option<(Option<GrowingVibration>, Option<KnownModes>)> {
-    match modal::growing_vibration(system, state) {
-        Ok(found) => Some(found),
+) -> Option<(Option<GrowingMotion>, Option<KnownModes>)> {
+    match modal::growing_motion(system, state) {
+        Ok(found) => {
+            *unknown = false;
+            Some(found)
+        }
+        Err(_) if std::mem::replace(unknown, true) => None,
         Err(error) => {
             let now = state.time;
             let reason = match error {
@@ -183,17 +219,21 @@ fn growing_vibration(
                 error => error.to_string(),
             };
             observer.on_event(&format!(
-                "whether the equilibrium at the load factor {now:.6} is stable against flutter is not known: {reason}"
+                "whether the equilibria from the load factor {now:.6} on are stable against flutter is not known: {reason}"
             ));
             None
         }
     }
 }
 
-fn told(GrowingVibration { growth, omega, .. }: &GrowingVibration) -> String {
+fn told(GrowingMotion { growth, omega, .. }: &GrowingMotion) -> String {
+    let motion = if *omega > 0.0 {
+        format!("a vibration of the circular frequency {omega:.4e} grows")
+    } else {
+        "a motion without vibration grows".into()
+    };
     format!(
-        "a vibration of the circular frequency {omega:.4e} grows by e^(t/{:.3e}). Eigenvalues of the tangent do not tell it; a modal step behind a path or a \
-         static step does",
+        "{motion} by e^(t/{:.3e}). Eigenvalues of the tangent do not tell it; a modal step behind a path or a static step does",
         1.0 / growth
     )
 }

@@ -91,7 +91,7 @@ impl ArcLengthSteps<'_> {
             negative: end.negative,
             critical: Vec::new(),
             unstable: None,
-            vibration: None,
+            growing: None,
             length: ON_BRANCH * end.a,
             end,
         })
