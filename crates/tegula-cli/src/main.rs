@@ -18,6 +18,11 @@ mod locking;
 mod man;
 mod new;
 mod progress;
+#[cfg(feature = "petsc")]
+mod ranks;
+#[cfg(not(feature = "petsc"))]
+#[path = "one_rank.rs"]
+mod ranks;
 mod render;
 mod report;
 mod run;

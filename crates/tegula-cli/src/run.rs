@@ -9,6 +9,7 @@ use tegula_io::out::numbers::{counted, duration, significant};
 use tegula_io::render;
 
 use crate::progress::{Detail, ProgressLine};
+use crate::ranks::Ranks;
 use crate::report::Failure;
 use crate::watched::{self, Watched};
 use crate::{html_report, interrupt, threads};
@@ -49,19 +50,31 @@ pub struct Arguments {
 
 /// Runs the model.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    threads::start(arguments.threads)?;
-    let deck = Deck::read(&arguments.model).map_err(Failure::Model)?;
+    let mut ranks = Ranks::start()?;
+    threads::start(ranks.threads(arguments.threads)?)?;
+    let deck = Deck::read(&arguments.model);
+    ranks.agree(deck.as_ref().map(|deck| (deck.path.as_path(), deck.text.as_str())).map_err(|_| ()))?;
+    let deck = deck.map_err(Failure::Model)?;
     let folder = arguments.out.clone().unwrap_or_else(|| default_folder(&deck.path));
     interrupt::listen();
-    let page = if arguments.watch { Some(watched::serve()?) } else { None };
-    let line = ProgressLine::new(match (arguments.quiet, arguments.verbose) {
+    let first = ranks.is_first();
+    let page = if arguments.watch && first { Some(watched::serve()?) } else { None };
+    let line = ProgressLine::new(match (arguments.quiet || !first, arguments.verbose) {
         (true, _) => Detail::Nothing,
         (_, true) => Detail::Everything,
         _ => Detail::Progress,
     });
     let options = JobOptions { folder: folder.clone(), resume: arguments.resume, force: arguments.force };
-    let mut watched = Watched { line, page };
+    let options = ranks.options(options)?;
+    let mut watched = Watched { line, page, ranks };
     let outcome = job::run(&deck, &options, &mut watched);
+    // What follows is the work of rank 0 alone.
+    let ranks = std::mem::take(&mut watched.ranks);
+    let outcome = ranks.settle(outcome);
+    ranks.end()?;
+    if !first {
+        return Ok(());
+    }
     render::stills(&deck, &folder, &outcome, &mut watched);
     watched.line.close();
     if let Some(page) = &mut watched.page {

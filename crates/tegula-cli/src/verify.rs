@@ -8,7 +8,9 @@ use tegula_io::out::write_whole;
 use tegula_verify::verify::{Case, Cost, Row, cases, run};
 
 use crate::info::instruction_set;
-use crate::terminal;
+use crate::ranks::Ranks;
+use crate::report::Failure;
+use crate::{terminal, threads};
 
 /// Compute the verification cases and compare them with their references
 #[derive(Debug, Args)]
@@ -57,6 +59,11 @@ impl Verify {
                 return ExitCode::from(2);
             }
         };
+        let ranks = match started() {
+            Ok(ranks) => ranks,
+            Err(failure) => return failure.report(false),
+        };
+        let first = ranks.is_first();
         for folder in [&self.pictures, &self.tables].into_iter().flatten() {
             if let Err(e) = std::fs::create_dir_all(folder) {
                 terminal::report("error", &format!("the folder {} cannot be made: {e}", folder.display()));
@@ -64,7 +71,14 @@ impl Verify {
             }
         }
         say!("{}", Row::heading());
-        let report = run(&cases, self.pictures.as_deref(), &mut |row| say!("{}", row.line()));
+        let pictures = self.pictures.as_deref().filter(|_| first);
+        let report = run(&cases, pictures, &mut |row| say!("{}", row.line()));
+        if let Err(failure) = ranks.end() {
+            return failure.report(false);
+        }
+        if !first {
+            return ExitCode::SUCCESS;
+        }
         for table in report.tables() {
             say!("\n{}", table.markdown().trim_end());
         }
@@ -115,6 +129,15 @@ impl Verify {
         }
         Ok(out)
     }
+}
+
+/// Ranks of the run, with their threads.
+fn started() -> Result<Ranks, Failure> {
+    let ranks = Ranks::start()?;
+    if let Some(threads) = ranks.threads(None)? {
+        threads::start(Some(threads))?;
+    }
+    Ok(ranks)
 }
 
 fn write(path: &Path, text: &str) -> Result<(), String> {

@@ -6,6 +6,7 @@ use tegula_io::watch::RunPage;
 
 use crate::interrupt;
 use crate::progress::ProgressLine;
+use crate::ranks::Ranks;
 use crate::report::Failure;
 
 /// Progress line and page of a run.
@@ -14,6 +15,8 @@ pub struct Watched {
     pub line: ProgressLine,
     /// Page.
     pub page: Option<RunPage>,
+    /// Ranks of the run, which stop together.
+    pub ranks: Ranks,
 }
 
 /// Serves a page and prints its address.
@@ -81,6 +84,6 @@ impl JobObserver for Watched {
         if self.page.as_ref().is_some_and(JobObserver::interrupted) {
             interrupt::request();
         }
-        self.line.interrupted()
+        self.ranks.any(self.line.interrupted())
     }
 }

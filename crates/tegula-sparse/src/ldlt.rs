@@ -192,6 +192,14 @@ impl Factor for SparseLdlt {
     fn factor_entries(&self) -> usize {
         self.fronts.entries()
     }
+
+    fn solve_many(&mut self, right_sides: &mut [f64], count: usize) {
+        Self::solve_many(self, right_sides, count);
+    }
+
+    fn release(&mut self) {
+        Self::release(self);
+    }
 }
 
 fn check_finite(values: &[f64]) -> Result<(), FactorError> {

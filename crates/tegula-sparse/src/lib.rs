@@ -92,6 +92,22 @@ pub trait Factor: Send {
     fn factorizations(&self) -> usize;
     /// Number of stored entries of the factor.
     fn factor_entries(&self) -> usize;
+    /// Solves `A X = B` with the last factor, in place of the `count` right sides: columns of length n, one after another (n × `count`, column-major).
+    fn solve_many(&mut self, right_sides: &mut [f64], count: usize) {
+        let size = (right_sides.len() / count.max(1)).max(1);
+        right_sides.chunks_mut(size).for_each(|x| self.solve(x));
+    }
+    /// Frees the memory of the factor; the next factorisation allocates it again.
+    fn release(&mut self) {}
+}
+
+/// Direct method for symmetric matrices: it analyses patterns, and gives the solvers of their matrices.
+pub trait DirectMethod: std::fmt::Debug + Send + Sync {
+    /// Orders and analyses a pattern (symbolic factorisation).
+    ///
+    /// # Errors
+    /// The factor would be too large.
+    fn analyse(&self, pattern: &SymmetricPattern) -> Result<Box<dyn Factor>, FactorError>;
 }
 
 /// Error of a factorisation.
@@ -106,4 +122,7 @@ pub enum FactorError {
     /// The factor is too large to index or to store.
     #[error("the factor does not fit in memory")]
     TooLarge,
+    /// Error of another library.
+    #[error("{0}")]
+    Other(String),
 }

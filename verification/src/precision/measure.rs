@@ -1,7 +1,7 @@
 //! Error and cost of one run.
 
-use tegula::analysis::solver::{TangentSolver as _, direct};
 use tegula::analysis::{Observer, Silent, Statistics, Step, dynamics};
+use tegula::analysis::{direct::Direct, solver::TangentSolver as _};
 use tegula::model::{Analysis, EnergyMomentumScheme, Model, Scheme, TransientAnalysis};
 use tegula::{Error, Result, System, Vec3};
 
@@ -40,7 +40,7 @@ impl Bench {
         let implicit = compile(&options)?;
         let explicit =
             compile(&TransientAnalysis { scheme: Scheme::Explicit(Default::default()), ..options.clone() })?;
-        let price = direct(&implicit)?.price([implicit.unknowns(), implicit.constraints()]);
+        let price = Direct::new(&implicit)?.price([implicit.unknowns(), implicit.constraints()]);
         let mut positions = Course::of(&implicit, &options)?.0.positions;
         let twice = TransientAnalysis { time_step: Some(2.0 * step), ..options };
         let twice = Course::of(&implicit, &twice)?.0.positions;

@@ -34,12 +34,12 @@ use crate::system::{
     Assembly, Coordinates, CorotationalUpdate, EvaluationPoint, Internal, LocalFrames, System, VectorKind,
     dot,
 };
-use tegula_sparse::SparseLdlt;
 
 use super::circulatory::CirculatoryLoads;
 use super::constraints::{Constraints, Schur};
+use super::direct::Direct;
 use super::lagged_tangent::{Increments, LaggedTangent};
-use super::solver::{self, Linearization, TangentSolver};
+use super::solver::{Linearization, TangentSolver};
 use super::{Observer, State};
 
 /// Equation of one step: `f_ext(q) − f_inertia(q) − force · f_int(q) = 0`, with the weight `force` of the internal forces.
@@ -146,7 +146,7 @@ pub struct Diverged {
 }
 
 /// Newton solver with its buffers, made once for an analysis.
-pub struct Newton<S = SparseLdlt> {
+pub struct Newton<S = Direct> {
     /// Element buffers and tangent.
     pub assembly: Assembly,
     /// Linear solver.
@@ -199,7 +199,7 @@ impl Newton {
     /// # Errors
     /// The factor does not fit in memory, or the system was compiled without a sparsity pattern of the tangent.
     pub fn new(system: &System, method: Option<NewtonMethod>) -> Result<Self> {
-        Ok(Self::with_solver(system, method, solver::direct(system)?))
+        Ok(Self::with_solver(system, method, Direct::new(system)?))
     }
 }
 

@@ -1,12 +1,10 @@
 //! Solvers of the linear systems of Newton's method.
 
-use super::lagged_tangent;
 use crate::bddc::{Bddc, BddcError, Options, StoppingCriterion};
 use crate::element::Nodal;
 use crate::system::assembly::{TangentCoefficients, curvature};
 use crate::system::{Assembly, EvaluationPoint, System};
 use crate::{Error, Result};
-use tegula_sparse::{Factor, FactorError, SparseLdlt};
 
 /// Error of a linear solution in the energy norm, over its own norm or the square root of the energy scale of the
 /// increments, that does not affect Newton's method.
@@ -76,63 +74,6 @@ pub trait TangentSolver: Send {
 
 /// Reason of a tangent without inverse.
 pub(super) const SINGULAR: &str = "the tangent is singular";
-
-/// Direct solver of a system.
-///
-/// # Errors
-/// The factor does not fit in memory, or the system was compiled without a sparsity pattern of the tangent.
-pub fn direct(system: &System) -> Result<SparseLdlt> {
-    system.require_tangent()?;
-    SparseLdlt::new(&system.tangent_pattern()).map_err(|e| Error::Singular {
-        what: format!("The matrix of {} unknowns cannot be factored: {e}.", system.unknowns()),
-        help:
-            "Use a coarser mesh, a machine with more memory, or in statics `linear_solver = \"iterative\"`."
-                .into(),
-    })
-}
-
-impl TangentSolver for SparseLdlt {
-    fn assemble(&mut self, assembly: &mut Assembly, at: &Linearization, out: &mut [Nodal]) {
-        if assembly.values.is_empty() {
-            assembly.values = self.reclaim_values();
-        }
-        assembly.forces_and_tangent(at.system, at.point, at.parts, at.extrapolated, at.prescribed, out);
-    }
-
-    fn add_curvature(&mut self, assembly: &mut Assembly, at: &Linearization, rest: &[Nodal]) {
-        assembly.add_curvature(at.system, at.point, &at.parts.weights, rest);
-    }
-
-    fn prepare(&mut self, assembly: &mut Assembly) -> std::result::Result<Option<usize>, String> {
-        let inertia = self.factor_values(&mut assembly.values).map_err(|e| match e {
-            FactorError::Singular => SINGULAR.into(),
-            e => e.to_string(),
-        })?;
-        Ok(inertia.map(|i| i.negative))
-    }
-
-    fn solve_tangent(&mut self, x: &mut [f64]) -> std::result::Result<(), String> {
-        self.solve(x);
-        Ok(())
-    }
-
-    fn solve_tangents(&mut self, x: &mut [f64], count: usize) -> std::result::Result<(), String> {
-        self.solve_many(x, count);
-        Ok(())
-    }
-
-    fn release(&mut self) {
-        SparseLdlt::release(self);
-    }
-
-    fn price(&self, sizes: [usize; 2]) -> f64 {
-        lagged_tangent::cost(self.operations(), self.factor_entries(), sizes)
-    }
-
-    fn tangents(&self) -> usize {
-        self.factorizations()
-    }
-}
 
 /// Conjugate gradients preconditioned by BDDC over the subdomains of the mesh.
 pub struct Iterative {

@@ -216,7 +216,8 @@ impl From<FactorError> for BddcError {
         match e {
             FactorError::NotFinite => Self::NotFinite,
             FactorError::Singular => Self::Indefinite("a matrix of a subdomain is singular"),
-            FactorError::TooLarge => Self::TooLarge,
+            // Subdomains have factors of the program's own.
+            FactorError::TooLarge | FactorError::Other(_) => Self::TooLarge,
         }
     }
 }

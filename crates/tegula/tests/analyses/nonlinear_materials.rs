@@ -170,7 +170,7 @@ fn plastic_tangents_are_consistent() {
         assert!(lost > 0.05, "{element:?}: the strip must yield for the test to mean something: {lost}");
         // Every increment with its own tangent, step by step to the same end.
         let mut energies = Energies::default();
-        let solver = common::Fresh(tegula::analysis::solver::direct(&system).unwrap());
+        let solver = common::Fresh(tegula::analysis::direct::Direct::new(&system).unwrap());
         let mut newton = Newton::with_solver(&system, None, solver);
         let tolerances = Tolerances { energy: 1e-18, increment: 1e-6, max_iterations: 20 };
         let mut equation =

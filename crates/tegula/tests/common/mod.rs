@@ -2,6 +2,7 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use nalgebra::{Rotation3, Unit};
+use tegula::analysis::direct::Direct;
 use tegula::analysis::dynamics::{self, TransientOutcome};
 use tegula::analysis::solver::{Linearization, TangentSolver};
 use tegula::analysis::statics::{self, StaticOutcome};
@@ -13,7 +14,6 @@ use tegula::model::*;
 use tegula::norm::{larger, max_norm};
 use tegula::system::{Assembly, VectorKind};
 use tegula::{Mesh, System, Vec3};
-use tegula_sparse::SparseLdlt;
 
 /// A static model of one section on a mesh, clamped at `u_min`.
 pub fn model(mesh: MeshSource, young: f64, thickness: f64) -> Model {
@@ -416,7 +416,7 @@ impl Observer for Notes {
 }
 
 /// The direct solver, to which a new tangent has no price: an old one never serves.
-pub struct Fresh(pub SparseLdlt);
+pub struct Fresh(pub Direct);
 
 impl TangentSolver for Fresh {
     fn assemble(&mut self, assembly: &mut Assembly, at: &Linearization, out: &mut [Nodal]) {

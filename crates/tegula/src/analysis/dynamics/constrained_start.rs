@@ -10,6 +10,7 @@ use super::joint_events::speed;
 use super::joint_modes::moving;
 use super::project_rates;
 use crate::analysis::constraints::{Constraints, Rates};
+use crate::analysis::direct::Direct;
 use crate::analysis::newton::Newton;
 use crate::analysis::{State, equilibrium};
 use crate::constraint::{CoordinateMode, Joint};
@@ -18,7 +19,6 @@ use crate::error::{Error, Result};
 use crate::norm::{larger, max_norm};
 use crate::system::assembly::TangentCoefficients;
 use crate::system::{Assembly, System};
-use tegula_sparse::SparseLdlt;
 
 /// Change of the velocities over their size, in the norm of the kinetic energy, that is worth a message.
 const NOTEWORTHY: f64 = 1e-6;
@@ -89,7 +89,7 @@ pub(super) fn project_velocities(
 pub(super) fn take_mass(
     system: &System,
     assembly: &Assembly,
-    (solver, constraints): (&mut SparseLdlt, &mut Constraints),
+    (solver, constraints): (&mut Direct, &mut Constraints),
     state: &State,
 ) -> Result<()> {
     let taken =

@@ -20,8 +20,9 @@ use super::pressure_series::PressureSeries;
 use super::series::Series;
 use crate::Result;
 use crate::analysis::constraints::{Constraints, values_of};
+use crate::analysis::direct::Direct;
 use crate::analysis::newton::NOTHING_MOVES;
-use crate::analysis::solver::{self, Linearization, TangentSolver as _};
+use crate::analysis::solver::{Linearization, TangentSolver as _};
 use crate::analysis::unstable_modes::UnstableModes;
 use crate::analysis::unstable_modes::normalize;
 use crate::analysis::{State, equilibrium};
@@ -32,7 +33,6 @@ use crate::norm::larger;
 use crate::system::assembly::{TangentCoefficients, add_follower_loads};
 use crate::system::power_series::SeriesStresses;
 use crate::system::{Assembly, EvaluationPoint, Internal, LocalFrames, System, add_multiple};
-use tegula_sparse::SparseLdlt;
 use tegula_sparse::gmres::noise;
 
 /// Length of a series without a last term, as of a path that is a straight line.
@@ -72,7 +72,7 @@ impl Directions {
 
 /// Workspace of expansions.
 pub struct Expansion {
-    solver: SparseLdlt,
+    solver: Direct,
     assembly: Assembly,
     stresses: SeriesStresses,
     /// Forces per load factor, with those of prescribed strains.
@@ -121,7 +121,7 @@ impl Expansion {
             constraints.pass_critical_points();
         }
         Ok(Self {
-            solver: solver::direct(system)?,
+            solver: Direct::new(system)?,
             penalty: equilibrium::penalty(system, &mut assembly, &State::first(system)),
             constraints,
             norm: None,
@@ -544,7 +544,7 @@ fn point<'a>(system: &System, u: &'a [Nodal], load: f64, multipliers: &'a [f64])
 
 /// Solves with the factored tangent of the motions that joints leave.
 fn solve_at_rest(
-    (solver, constraints): (&mut SparseLdlt, &mut Option<Constraints>),
+    (solver, constraints): (&mut Direct, &mut Option<Constraints>),
     x: &mut [f64],
 ) -> std::result::Result<(), String> {
     solver.solve_tangent(x)?;

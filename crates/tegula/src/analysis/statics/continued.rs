@@ -3,11 +3,11 @@
 //! Whether it is a limit point need not be known: behind a bifurcation the path is unstable, so that its end is refused.
 
 use super::load_steps::LoadSteps;
+use crate::analysis::direct::Direct;
 use crate::analysis::path::{Advance, ArcLengthSteps, BeforeArcLength, CriticalKind, PathState};
 use crate::analysis::{Observer, State, Stepper as _};
 use crate::model::{PathAnalysis, PathMethod};
 use crate::{Error, Result};
-use tegula_sparse::SparseLdlt;
 
 /// Options of the path behind the critical point.
 pub fn path_options() -> PathAnalysis {
@@ -27,7 +27,7 @@ pub(super) fn is_behind_load_steps(state: &State) -> bool {
     state.path.as_ref().is_some_and(|path| path.arc.is_some())
 }
 
-impl<'a> BeforeArcLength<'a> for LoadSteps<'a, SparseLdlt> {
+impl<'a> BeforeArcLength<'a> for LoadSteps<'a, Direct> {
     fn advance_or_hand_over(&mut self, observer: &mut dyn Observer) -> Result<Advance<'a>> {
         match self.advance(observer) {
             Err(Error::NotConverged { reason, .. }) if self.path_leads_on() => {

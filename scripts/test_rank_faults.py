@@ -1,0 +1,108 @@
+#!/usr/bin/env python3
+"""Tests faults of runs on several ranks: test_rank_faults.py PROGRAM [KILLS].
+
+A rank is killed at random moments, and the run resumed until it ends: its history is that of an undisturbed run. Ctrl-C stops all ranks, and the run goes on on
+another number of ranks. Ranks with other model files, without a model, and with a result folder of another model are refused with a message of one rank.
+"""
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from test_ranks import ENVIRONMENT, ROOT, compare, run
+
+MODEL = ROOT / "examples/quarter_cylinder_pendulum.toml"
+PLATE = ROOT / "verification/models/quarter_cylinder.toml"
+
+
+def command(program, ranks, out, *more, model=MODEL):
+    return ["mpirun", "-n", str(ranks), program, "run", str(model), "--out", str(out), "--quiet", "-j", "1", *more]
+
+
+def ranks_of(process):
+    """Processes that an `mpirun` has started."""
+    found = []
+    for folder in Path("/proc").iterdir():
+        try:
+            parent = int(folder.joinpath("stat").read_text().rsplit(")", 1)[1].split()[1]) if folder.name.isdigit() else 0
+        except (OSError, ValueError):
+            continue
+        if parent == process.pid:
+            found.append(int(folder.name))
+    return sorted(found)
+
+
+def killed(program, folder, kills, whole):
+    """A run one of whose ranks is killed again and again, resumed to its end."""
+    random.seed(1)
+    out, resume = folder / "killed", []
+    for _ in range(kills):
+        process = subprocess.Popen(command(program, 2, out, *resume), env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        time.sleep(random.uniform(1.0, 5.0))
+        ranks = ranks_of(process)
+        if ranks:
+            try:
+                os.kill(random.choice(ranks), signal.SIGKILL)
+            except ProcessLookupError:
+                pass
+        assert process.wait(timeout=60) != 0 or not ranks, "a run with a killed rank has ended as if nothing were wrong"
+        resume = ["--resume"] if (out / "summary.json").is_file() else []
+    done = run(command(program, 2, out, *resume))
+    assert done.returncode == 0, done.stderr
+    wrong, worst = compare(whole, out)
+    assert not wrong, wrong
+    print(f"{kills} times a rank was killed: the history is that of an undisturbed run to {worst:.1e} of the limits")
+
+
+def stopped(program, folder, whole):
+    """A run that Ctrl-C stops, and another number of ranks ends."""
+    out = folder / "stopped"
+    process = subprocess.Popen(command(program, 2, out), env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    time.sleep(3.0)
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=60)
+    assert process.returncode != 0, "the run has ended before it was stopped"
+    done = run(command(program, 3, out, "--resume"))
+    assert done.returncode == 0, done.stderr
+    wrong, _ = compare(whole, out)
+    assert not wrong, wrong
+    print("stopped on 2 ranks, ended on 3")
+
+
+def refused(program, folder):
+    """Mistakes of the call, each with a part of its message."""
+    other = folder / "other.toml"
+    other.write_text(PLATE.read_text().replace("\n", "\n# other\n", 1))
+    first, second = (["-n", "1", program, "run", str(model), "--out", str(folder / "two")] for model in (PLATE, other))
+    missing = ["-n", "1", program, "run", str(folder / "none.toml"), "--out", str(folder / "two")]
+    cases = [
+        (["mpirun", *first, ":", *second], "the model files of the ranks differ"),
+        (["mpirun", *first, ":", *missing], "can be read by rank 0, but not by all others"),
+        (command(program, 2, folder / "two", model=folder / "none.toml"), "there is no such file"),
+        (command(program, 2, folder / "killed", model=PLATE), "it holds the results of another model"),
+    ]
+    for call, message in cases:
+        done = run(call, timeout=60)
+        said = done.stdout + done.stderr
+        assert done.returncode != 0 and said.count("error: ") == 1 and message in said, said
+    print(f"{len(cases)} mistakes are refused")
+
+
+def main():
+    program = str(Path(sys.argv[1]).resolve())
+    kills = int(sys.argv[2]) if len(sys.argv) > 2 else 3
+    with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
+        done = run(command(program, 2, folder / "whole"))
+        assert done.returncode == 0, done.stderr
+        killed(program, folder, kills, folder / "whole")
+        stopped(program, folder, folder / "whole")
+        refused(program, folder)
+
+
+if __name__ == "__main__":
+    main()
