@@ -5,14 +5,19 @@
 use std::num::NonZero;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
 use tegula_io::job::{JobError, JobOptions, Summary};
 
+use crate::info::instruction_set;
 use crate::report::Failure;
 use crate::terminal;
 
 /// Variables with the number of ranks on a computer, as launchers of MPI set them.
 const LOCAL_SIZES: [&str; 2] = ["OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"];
+
+/// Time that other ranks leave to rank 0 to tell why a run ends.
+const BEHIND_FIRST: Duration = Duration::from_secs(2);
 
 /// Ranks of a run, of which this process is one.
 #[derive(Default)]
@@ -79,19 +84,23 @@ impl Ranks {
             // Those that cannot read it say why.
             return match model {
                 Ok((path, _)) if self.is_first() => Err(Failure::File(format!(
-                    "`{}` can be read by rank 0, but not by all others: give a path that all computers have",
+                    "`{}` can be read by rank 0, but not by all others: give the path of a file that all computers have",
                     path.display()
                 ))),
                 _ => Ok(()),
             };
         }
         let program = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
-        for (what, bytes) in [("programs", program), ("model files", text)] {
+        // Other instructions give other last digits, by which ranks would decide each for itself.
+        let processor = instruction_set().as_bytes().to_vec();
+        for (what, bytes) in
+            [("programs", program), ("model files", text), ("instruction sets of the processors", processor)]
+        {
             let here = tegula_io::out::fingerprint(bytes);
             let first = all.of_first(here).map_err(failed)?;
             if all.any(first != here).map_err(failed)? {
                 return Err(Failure::Usage(format!(
-                    "the {what} of the ranks differ: all computers need the same program and the same model"
+                    "the {what} of the ranks differ: all computers need the same program, the same model and processors of one kind"
                 )));
             }
         }
@@ -133,6 +142,10 @@ impl Ranks {
         if let (Some(all), Err(error @ (JobError::Output(_) | JobError::Folder { .. }))) =
             (self.all, &outcome)
         {
+            if all.rank() > 0 {
+                // Where rank 0 has failed, too, its message is the one to read.
+                std::thread::sleep(BEHIND_FIRST);
+            }
             terminal::speak();
             terminal::report("error", &format!("rank {} of {}: {error}", all.rank(), all.size()));
             all.abort(1);
@@ -145,6 +158,8 @@ impl Ranks {
     /// # Errors
     /// It does not end.
     pub fn end(self) -> Result<(), Failure> {
+        // A launcher may kill ranks that wait here.
+        drop(self.unread);
         self.all.map_or(Ok(()), |all| all.end().map_err(failed))
     }
 }

@@ -133,9 +133,7 @@ static int make(Factorization *f, int64_t n, const int64_t *pointers, const uint
     return VecScatterCreateToAll(f->local, &f->gather, &f->whole);
 }
 
-/* Rows `first` to `last` − 1 of the upper triangle of a matrix of size n belong to this rank: `pointers` and `columns` of these rows, with the
-   diagonal entry first. */
-int tegula_petsc_analyse(int64_t n, int64_t first, int64_t last, const int64_t *pointers, const uint32_t *columns, void **handle)
+static int analyse(int64_t n, int64_t first, int64_t last, const int64_t *pointers, const uint32_t *columns, void **handle)
 {
     Factorization *f = calloc(1, sizeof *f);
     if (!f) return NO_MEMORY;
@@ -148,6 +146,24 @@ int tegula_petsc_analyse(int64_t n, int64_t first, int64_t last, const int64_t *
     }
     *handle = f;
     return 0;
+}
+
+/* Largest code of all ranks: where one fails, all do. */
+static int of_all(int code)
+{
+    int largest = code, sent = MPI_Allreduce(&code, &largest, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+    return sent ? sent : largest;
+}
+
+/* Rows `first` to `last` − 1 of the upper triangle of a matrix of size n belong to this rank: `pointers` and `columns` of these rows, with the
+   diagonal entry first. */
+int tegula_petsc_analyse(int64_t n, int64_t first, int64_t last, const int64_t *pointers, const uint32_t *columns, void **handle)
+{
+    void *mine = NULL;
+    int code = of_all(analyse(n, first, last, pointers, columns, &mine));
+    if (code) tegula_petsc_free(mine);
+    else *handle = mine;
+    return code;
 }
 
 static int symbolic(Factorization *f, PetscInt more_memory)
@@ -166,10 +182,8 @@ static int symbolic(Factorization *f, PetscInt more_memory)
     return 0;
 }
 
-/* Factors the matrix with the values of this rank's rows; `inertia`: numbers of negative, zero and positive pivots. */
-int tegula_petsc_factor(void *handle, const int64_t *pointers, const double *values, int64_t *inertia)
+static int factor(Factorization *f, const int64_t *pointers, const double *values, int64_t *inertia)
 {
-    Factorization *f = handle;
     MatFactorInfo info;
     message[0] = 0;
     const PetscInt *columns = f->columns;
@@ -210,10 +224,14 @@ int tegula_petsc_factor(void *handle, const int64_t *pointers, const double *val
     return NO_MEMORY;
 }
 
-/* Solves with the last factor, in place of the right side, which all ranks have as a whole, as they have the solution. */
-int tegula_petsc_solve(void *handle, double *x)
+/* Factors the matrix with the values of this rank's rows; `inertia`: numbers of negative, zero and positive pivots. */
+int tegula_petsc_factor(void *handle, const int64_t *pointers, const double *values, int64_t *inertia)
 {
-    Factorization *f = handle;
+    return of_all(factor(handle, pointers, values, inertia));
+}
+
+static int solve(Factorization *f, double *x)
+{
     double *local;
     const double *whole;
     PetscInt size;
@@ -231,4 +249,10 @@ int tegula_petsc_solve(void *handle, double *x)
     CHECK(VecGetArrayRead(f->whole, &whole));
     memcpy(x, whole, (size_t)size * sizeof *x);
     return VecRestoreArrayRead(f->whole, &whole);
+}
+
+/* Solves with the last factor, in place of the right side, which all ranks have as a whole, as they have the solution. */
+int tegula_petsc_solve(void *handle, double *x)
+{
+    return of_all(solve(handle, x));
 }
