@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Tests faults of runs on several ranks: test_rank_faults.py PROGRAM [KILLS].
 
-A rank is killed at random moments, and the run resumed until it ends: its history is that of an undisturbed run. Ctrl-C stops all ranks, and the run goes on on
-another number of ranks. Ranks with other model files, without a model, and with a result folder of another model are refused with a message of one rank.
+If KILLS is not 0, a rank is killed so often at random moments, and the run resumed until it ends: its history is that of an undisturbed run. Ctrl-C stops all
+ranks, and the run goes on on another number of ranks. A rank that cannot write ends all. Ranks with other model files, without a model, and with a result folder of another model are refused with a message of one rank.
 """
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,6 +17,8 @@ from pathlib import Path
 from test_ranks import ENVIRONMENT, ROOT, compare, run
 
 MODEL = ROOT / "examples/quarter_cylinder_pendulum.toml"
+# MUMPS adds contributions as they arrive: two runs on several ranks differ by round-off.
+MAY_DIFFER = ("iterations", "factorizations")
 PLATE = ROOT / "verification/models/quarter_cylinder.toml"
 
 
@@ -53,7 +56,7 @@ def killed(program, folder, kills, whole):
         resume = ["--resume"] if (out / "summary.json").is_file() else []
     done = run(command(program, 2, out, *resume))
     assert done.returncode == 0, done.stderr
-    wrong, worst = compare(whole, out)
+    wrong, worst = compare(whole, out, MAY_DIFFER)
     assert not wrong, wrong
     print(f"{kills} times a rank was killed: the history is that of an undisturbed run to {worst:.1e} of the limits")
 
@@ -68,7 +71,7 @@ def stopped(program, folder, whole):
     assert process.returncode != 0, "the run has ended before it was stopped"
     done = run(command(program, 3, out, "--resume"))
     assert done.returncode == 0, done.stderr
-    wrong, _ = compare(whole, out)
+    wrong, _ = compare(whole, out, MAY_DIFFER)
     assert not wrong, wrong
     print("stopped on 2 ranks, ended on 3")
 
@@ -83,8 +86,10 @@ def refused(program, folder):
         (["mpirun", *first, ":", *second], "the model files of the ranks differ"),
         (["mpirun", *first, ":", *missing], "can be read by rank 0, but not by all others"),
         (command(program, 2, folder / "two", model=folder / "none.toml"), "there is no such file"),
-        (command(program, 2, folder / "killed", model=PLATE), "it holds the results of another model"),
+        (command(program, 2, folder / "strip", model=PLATE), "it holds the results of another model"),
     ]
+    done = run(command(program, 2, folder / "strip", model=ROOT / "examples/stress_wave.toml"))
+    assert done.returncode == 0, done.stderr
     for call, message in cases:
         done = run(call, timeout=60)
         said = done.stdout + done.stderr
@@ -92,16 +97,36 @@ def refused(program, folder):
     print(f"{len(cases)} mistakes are refused")
 
 
+def unwritable(program, folder):
+    """A rank that cannot write any more ends all of them with its message."""
+    temporary = folder / "temporary"
+    temporary.mkdir()
+    process = subprocess.Popen(
+        command(program, 2, folder / "unwritable"), env=ENVIRONMENT | {"TMPDIR": str(temporary)}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+    deadline = time.time() + 60
+    while not list(temporary.glob("tegula-rank-*/results/history.csv")):
+        assert time.time() < deadline and process.poll() is None, "rank 1 does not begin"
+        time.sleep(0.1)
+    for path in temporary.glob("tegula-rank-*"):
+        shutil.rmtree(path, ignore_errors=True)
+    said, _ = process.communicate(timeout=120)
+    assert process.returncode != 0 and said.count("error: rank 1 of 2") == 1, said
+    print("a rank that cannot write ends all")
+
+
 def main():
     program = str(Path(sys.argv[1]).resolve())
     kills = int(sys.argv[2]) if len(sys.argv) > 2 else 3
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
-        done = run(command(program, 2, folder / "whole"))
-        assert done.returncode == 0, done.stderr
-        killed(program, folder, kills, folder / "whole")
-        stopped(program, folder, folder / "whole")
         refused(program, folder)
+        unwritable(program, folder)
+        if kills:
+            done = run(command(program, 2, folder / "whole"))
+            assert done.returncode == 0, done.stderr
+            killed(program, folder, kills, folder / "whole")
+            stopped(program, folder, folder / "whole")
 
 
 if __name__ == "__main__":

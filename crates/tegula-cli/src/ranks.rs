@@ -139,18 +139,22 @@ impl Ranks {
 
     /// Ends all ranks where one alone has failed, which would leave all others waiting.
     pub fn settle(&self, outcome: Result<Summary, JobError>) -> Result<Summary, JobError> {
-        if let (Some(all), Err(error @ (JobError::Output(_) | JobError::Folder { .. }))) =
-            (self.all, &outcome)
-        {
-            if all.rank() > 0 {
-                // Where rank 0 has failed, too, its message is the one to read.
-                std::thread::sleep(BEHIND_FIRST);
-            }
-            terminal::speak();
-            terminal::report("error", &format!("rank {} of {}: {error}", all.rank(), all.size()));
-            all.abort(1);
+        if let Err(error @ (JobError::Output(_) | JobError::Folder { .. })) = &outcome {
+            self.fail(error);
         }
         outcome
+    }
+
+    /// Ends all ranks because of an error of this one.
+    pub fn fail(&self, error: &dyn std::fmt::Display) {
+        let Some(all) = self.all else { return };
+        if all.rank() > 0 {
+            // Where rank 0 has failed, too, its message is the one to read.
+            std::thread::sleep(BEHIND_FIRST);
+        }
+        terminal::speak();
+        terminal::report("error", &format!("rank {} of {}: {error}", all.rank(), all.size()));
+        all.abort(1);
     }
 
     /// Ends MPI (collective).

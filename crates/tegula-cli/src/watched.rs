@@ -2,6 +2,7 @@
 
 use tegula::analysis::State;
 use tegula_io::job::{JobObserver, Prepared, Progress, RecordedStep, Start};
+use tegula_io::out::OutputError;
 use tegula_io::watch::RunPage;
 
 use crate::interrupt;
@@ -78,6 +79,10 @@ impl JobObserver for Watched {
 
     fn on_warning(&mut self, message: &str) {
         self.both(|observer| observer.on_warning(message));
+    }
+
+    fn on_output_failure(&mut self, error: &OutputError) {
+        self.ranks.fail(error);
     }
 
     fn interrupted(&self) -> bool {

@@ -152,6 +152,8 @@ pub trait JobObserver {
     fn on_event(&mut self, _message: &str) {}
     /// Warning of input that is most likely not intended, or of unreliable results; it is also written to `log.txt`.
     fn on_warning(&mut self, _message: &str) {}
+    /// The results cannot be written any more; the run is about to end.
+    fn on_output_failure(&mut self, _error: &OutputError) {}
     /// Asked between iterations; true ends the run after the last finished step, resumable but for modal and buckling analyses.
     fn interrupted(&self) -> bool {
         false

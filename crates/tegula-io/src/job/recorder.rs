@@ -424,6 +424,7 @@ impl Observer for Recorder<'_> {
     fn on_step(&mut self, step: &Step) -> Result<()> {
         self.record(step).map_err(|error| {
             let message = error.to_string();
+            self.watch.on_output_failure(&error);
             self.failed.get_or_insert(error);
             Error::Outside(message)
         })
