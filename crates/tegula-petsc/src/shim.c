@@ -24,7 +24,7 @@
     } while (0)
 
 /* Codes that are none of PETSc's. */
-enum { SINGULAR = 10001, NO_MEMORY = 10002, NOT_FINITE = 10003, TOO_LARGE = 10004 };
+enum { SINGULAR = 10001, NO_MEMORY = 10002, TOO_LARGE = 10003 };
 
 /* Largest number of attempts with more and more memory. */
 enum { ATTEMPTS = 6 };
@@ -90,10 +90,9 @@ int tegula_petsc_broadcast(void *bytes, int32_t count)
 /* Factorisation of symmetric matrices of one pattern by MUMPS. */
 typedef struct {
     Mat matrix, factor;
-    Vec local, whole;
+    Vec right, solution, whole;
     VecScatter gather;
     PetscInt first, last, *columns;
-    int is_analysed;
 } Factorization;
 
 void tegula_petsc_free(void *handle)
@@ -102,7 +101,8 @@ void tegula_petsc_free(void *handle)
     if (!f) return;
     VecScatterDestroy(&f->gather);
     VecDestroy(&f->whole);
-    VecDestroy(&f->local);
+    VecDestroy(&f->solution);
+    VecDestroy(&f->right);
     MatDestroy(&f->factor);
     MatDestroy(&f->matrix);
     free(f->columns);
@@ -129,8 +129,8 @@ static int make(Factorization *f, int64_t n, const int64_t *pointers, const uint
     if (!code) code = MatMPISBAIJSetPreallocationCSR(f->matrix, 1, starts, f->columns, NULL);
     free(starts);
     CHECK(code);
-    CHECK(MatCreateVecs(f->matrix, &f->local, NULL));
-    return VecScatterCreateToAll(f->local, &f->gather, &f->whole);
+    CHECK(MatCreateVecs(f->matrix, &f->solution, &f->right));
+    return VecScatterCreateToAll(f->solution, &f->gather, &f->whole);
 }
 
 static int analyse(int64_t n, int64_t first, int64_t last, const int64_t *pointers, const uint32_t *columns, void **handle)
@@ -169,7 +169,6 @@ int tegula_petsc_analyse(int64_t n, int64_t first, int64_t last, const int64_t *
 static int symbolic(Factorization *f, PetscInt more_memory)
 {
     MatFactorInfo info;
-    MatDestroy(&f->factor);
     CHECK(MatGetFactor(f->matrix, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, &f->factor));
     /* The inertia counts the pivots of the last front only where one process factors it. */
     CHECK(MatMumpsSetIcntl(f->factor, 13, 1));
@@ -177,9 +176,7 @@ static int symbolic(Factorization *f, PetscInt more_memory)
     /* Pivots that are round-off are counted, and not taken as numbers. */
     CHECK(MatMumpsSetIcntl(f->factor, 24, 1));
     CHECK(MatFactorInfoInitialize(&info));
-    CHECK(MatCholeskyFactorSymbolic(f->factor, f->matrix, NULL, &info));
-    f->is_analysed = 1;
-    return 0;
+    return MatCholeskyFactorSymbolic(f->factor, f->matrix, NULL, &info);
 }
 
 static int factor(Factorization *f, const int64_t *pointers, const double *values, int64_t *inertia)
@@ -200,7 +197,7 @@ static int factor(Factorization *f, const int64_t *pointers, const double *value
     for (int attempt = 0; attempt < ATTEMPTS; attempt++, more_memory *= 3) {
         MatFactorError error;
         PetscInt outcome;
-        if (!f->is_analysed) CHECK(symbolic(f, more_memory));
+        if (!f->factor) CHECK(symbolic(f, more_memory));
         CHECK(MatCholeskyFactorNumeric(f->factor, f->matrix, &info));
         CHECK(MatFactorGetError(f->factor, &error));
         CHECK(MatMumpsGetInfog(f->factor, 1, &outcome));
@@ -214,7 +211,7 @@ static int factor(Factorization *f, const int64_t *pointers, const double *value
             inertia[2] = positive;
             return 0;
         }
-        f->is_analysed = 0;
+        CHECK(MatDestroy(&f->factor));
         if (error == MAT_FACTOR_NUMERIC_ZEROPIVOT || error == MAT_FACTOR_STRUCT_ZEROPIVOT) return SINGULAR;
         if (error != MAT_FACTOR_OUTMEMORY) {
             snprintf(message, sizeof message, "MUMPS ended with INFOG(1) = %ld", (long)outcome);
@@ -235,16 +232,12 @@ static int solve(Factorization *f, double *x)
     double *local;
     const double *whole;
     PetscInt size;
-    CHECK(VecGetArray(f->local, &local));
+    CHECK(VecGetArray(f->right, &local));
     memcpy(local, x + f->first, (size_t)(f->last - f->first) * sizeof *local);
-    CHECK(VecRestoreArray(f->local, &local));
-    Vec solution;
-    CHECK(VecDuplicate(f->local, &solution));
-    int code = MatSolve(f->factor, f->local, solution);
-    if (!code) code = VecScatterBegin(f->gather, solution, f->whole, INSERT_VALUES, SCATTER_FORWARD);
-    if (!code) code = VecScatterEnd(f->gather, solution, f->whole, INSERT_VALUES, SCATTER_FORWARD);
-    VecDestroy(&solution);
-    CHECK(code);
+    CHECK(VecRestoreArray(f->right, &local));
+    CHECK(MatSolve(f->factor, f->right, f->solution));
+    CHECK(VecScatterBegin(f->gather, f->solution, f->whole, INSERT_VALUES, SCATTER_FORWARD));
+    CHECK(VecScatterEnd(f->gather, f->solution, f->whole, INSERT_VALUES, SCATTER_FORWARD));
     CHECK(VecGetSize(f->whole, &size));
     CHECK(VecGetArrayRead(f->whole, &whole));
     memcpy(x, whole, (size_t)size * sizeof *x);

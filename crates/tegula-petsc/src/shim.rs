@@ -32,7 +32,7 @@ unsafe extern "C" {
 /// Codes of `shim.c`.
 pub const SINGULAR: i32 = 10001;
 pub const NO_MEMORY: i32 = 10002;
-pub const TOO_LARGE: i32 = 10004;
+pub const TOO_LARGE: i32 = 10003;
 
 /// Outcome of a function of `shim.c`.
 pub fn outcome(code: i32) -> Result<(), PetscError> {

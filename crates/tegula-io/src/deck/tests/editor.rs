@@ -26,16 +26,7 @@ fn mistakes(root: &Value, schema: &Value, value: &Value, path: &str) -> Vec<Stri
                 Value::Array(several) => several.iter().any(|one| is_of_type(one, value)),
                 one => is_of_type(one, value),
             },
-            "pattern" => value.as_str().is_none_or(|text| match wanted.as_str().unwrap() {
-                "^[^.-][^.]*$" => !text.is_empty() && !text.starts_with('-') && !text.contains('.'),
-                "^-?[^.-][^.]*\\.[xyz]$" => {
-                    let bare = text.strip_prefix('-').unwrap_or(text);
-                    bare.split_once('.').is_some_and(|(name, axis)| {
-                        !name.is_empty() && !name.starts_with('-') && ["x", "y", "z"].contains(&axis)
-                    })
-                }
-                other => panic!("pattern {other}"),
-            }),
+            "pattern" => value.as_str().is_none_or(|text| has_pattern(text, wanted.as_str().unwrap())),
             "const" => value == wanted,
             "enum" => list().contains(value),
             "minimum" => value.as_f64().is_none_or(|x| x >= number(wanted)),
@@ -91,6 +82,20 @@ fn mistakes(root: &Value, schema: &Value, value: &Value, path: &str) -> Vec<Stri
         }
     }
     out
+}
+
+/// Whether a text has one of the patterns of the schema.
+fn has_pattern(text: &str, pattern: &str) -> bool {
+    match pattern {
+        "^[^.-][^.]*$" => !text.is_empty() && !text.starts_with('-') && !text.contains('.'),
+        "^-?[^.-][^.]*\\.[xyz]$" => {
+            let bare = text.strip_prefix('-').unwrap_or(text);
+            bare.split_once('.').is_some_and(|(name, axis)| {
+                !name.is_empty() && !name.starts_with('-') && ["x", "y", "z"].contains(&axis)
+            })
+        }
+        other => panic!("pattern {other}"),
+    }
 }
 
 fn is_of_type(name: &Value, value: &Value) -> bool {

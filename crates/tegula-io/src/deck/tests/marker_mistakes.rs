@@ -100,7 +100,7 @@ fn markers_without_a_place_are_refused() {
 }
 
 #[test]
-fn mistakes_in_markers_are_placed_and_hide_nothing() {
+fn mistakes_in_names_of_markers_are_placed_and_hide_nothing() {
     insta::assert_snapshot!(with("name = \"C\"", "name = \"B\""), @r#"
     m.toml:14:8: markers[2].name: two markers are named "B"
       help: give each marker its own name
@@ -157,6 +157,10 @@ fn mistakes_in_markers_are_placed_and_hide_nothing() {
     m.toml:88:16: sensors[2].points[1]: there is no marker "C"
       help: give three coordinates, or a marker by its name; the markers are "A", "B", "crank middle"
     "#);
+}
+
+#[test]
+fn mistakes_in_places_and_axes_of_markers_are_placed_and_hide_nothing() {
     insta::assert_snapshot!(with("at = [0, 0, 0]", "at = [0, nan, 0]"), @r#"
     m.toml:8:10: markers[0].at[1]: nan is not a finite number
       help: Point in the reference configuration, along the axes of space, or of `on` from its origin (length).

@@ -7,6 +7,45 @@ use tegula::analysis::path::{ArcStart, CriticalKind, CriticalPoint, ExpansionPoi
 
 use super::*;
 
+/// A path with `n` nodal vectors in which no two numbers are equal.
+fn distinct_path(n: usize, field: &mut dyn FnMut(usize) -> Vec<[f64; 3]>) -> PathState {
+    let [position, load, _] = field(1)[0];
+    let [start, expected, _] = field(1)[0];
+    let (number, bifurcations) = (77, 78);
+    let expansion = ExpansionPoint {
+        position: start,
+        u: field(n),
+        load,
+        direction: field(n),
+        expected,
+        number,
+        bifurcations,
+    };
+    let [at, factor, _] = field(1)[0];
+    let kind = CriticalKind::Bifurcation;
+    let point = CriticalPoint { kind, load: factor, position: at, change: -2, u: field(n), mode: field(n) };
+    let [rate, work, length] = field(1)[0];
+    let tangent = PathTangent {
+        direction: field(n),
+        multipliers: field(1)[0].to_vec(),
+        load: rate,
+        work,
+        determinant_sign: -1,
+        crossings: Some(2),
+    };
+    PathState {
+        position,
+        load_rate: load,
+        expansion,
+        arc: Some(ArcStart { tangent, length }),
+        direction: field(n),
+        critical: vec![point],
+        loads: [80.0, 81.0],
+        flutters: true,
+        finished: true,
+    }
+}
+
 /// A memory in which no two numbers are equal.
 fn distinct(system: &System) -> CheckpointData {
     let mut number = 0.0;
@@ -42,41 +81,7 @@ fn distinct(system: &System) -> CheckpointData {
     [tangent.time, tangent.dt, _] = field(1)[0];
     (state.step, tangent.steps, tangent.iterations) = (71, 72, 73);
     (tangent.last, tangent.pause, tangent.next_pause) = (74, 75, 76);
-    let [position, load, _] = field(1)[0];
-    let [start, expected, _] = field(1)[0];
-    let (number, bifurcations) = (77, 78);
-    let expansion = ExpansionPoint {
-        position: start,
-        u: field(n),
-        load,
-        direction: field(n),
-        expected,
-        number,
-        bifurcations,
-    };
-    let [at, factor, _] = field(1)[0];
-    let kind = CriticalKind::Bifurcation;
-    let point = CriticalPoint { kind, load: factor, position: at, change: -2, u: field(n), mode: field(n) };
-    let [rate, work, length] = field(1)[0];
-    let tangent = PathTangent {
-        direction: field(n),
-        multipliers: field(1)[0].to_vec(),
-        load: rate,
-        work,
-        determinant_sign: -1,
-        crossings: Some(2),
-    };
-    state.path = Some(Box::new(PathState {
-        position,
-        load_rate: load,
-        expansion,
-        arc: Some(ArcStart { tangent, length }),
-        direction: field(n),
-        critical: vec![point],
-        loads: [80.0, 81.0],
-        flutters: true,
-        finished: true,
-    }));
+    state.path = Some(Box::new(distinct_path(n, &mut field)));
     let balance = &mut memory.balance;
     [balance.kinetic, balance.strain, balance.potential] = field(1)[0];
     [balance.work, balance.dissipated, balance.total] = field(1)[0];

@@ -195,7 +195,8 @@ impl<S: TangentSolver> Newton<S> {
     /// matrix, and with D, the metric of [`System::norm`]. An eigenvalue that has passed through zero is real and negative with any such matrix; two that have
     /// met as complex ones, and are real from then on, may be positive with one of them, or complex still.
     ///
-    /// Many motions may be softer than the `negative` unstable ones of K are unstable: the searches begin with these. Where they are not found, D alone tells.
+    /// Both searches start from the sum of the `negative` unstable modes of K: from noise, the eigenvalues of many soft stable modes would be found before the
+    /// negative ones. Where these modes are not found, D alone tells.
     ///
     /// # Errors
     /// The linear solver failed.
