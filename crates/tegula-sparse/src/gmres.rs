@@ -166,13 +166,10 @@ impl Gmres {
         vector
     }
 
-    /// Eigenvalues of the leading part of the Hessenberg matrix; none where it is not finite.
+    /// Eigenvalues of the leading part of the Hessenberg matrix; none where they are not found.
     fn eigenvalues(&self, steps: usize) -> Vec<[f64; 2]> {
-        let h = self.leading_part(steps);
-        if !h.iter().all(|v| v.is_finite()) {
-            return Vec::new();
-        }
-        h.complex_eigenvalues().iter().map(|z| [z.re, z.im]).collect()
+        let found = crate::eigenvalues(&self.leading_part(steps)).unwrap_or_default();
+        found.iter().map(|value| [value.re, value.im]).collect()
     }
 
     /// Arnoldi step: adds a vector to the basis and a column to the Hessenberg matrix; returns the entry below its

@@ -44,6 +44,7 @@ mod assembly_tree;
 mod block_column;
 mod delayed_pivots;
 pub mod dense;
+mod eigenvalues;
 mod entry_map;
 pub mod gmres;
 pub mod lanczos;
@@ -63,6 +64,7 @@ mod supernodes;
 mod trapezoid;
 mod workspace;
 
+pub use eigenvalues::eigenvalues;
 pub use ldlt::{SparseLdlt, SymmetricPattern};
 pub use schur_complement::SchurComplement;
 pub use workspace::{Workspace, zeros};

@@ -285,14 +285,24 @@ fn the_onset_of_flutter_does_not_depend_on_the_steps_of_the_path() {
 
 /// Ziegler's pendulum of two links of length l = 1 with masses at their ends, torsion springs of stiffness c = 1 and a follower force P.
 fn double_pendulum(force: f64, analysis: serde_json::Value) -> Model {
-    let body = |name: &str, x: f64, mass: f64| serde_json::json!({ "name": name, "at": [x, 0.0, 0.0], "mass": mass, "inertia": [0.01 * mass, 0.01 * mass, 0.01 * mass] });
-    let hinge = |name: &str, between: [&str; 2], x: f64| serde_json::json!({ "type": "revolute", "name": name, "between": between, "at": [x, 0.0, 0.0], "axis": [0.0, 0.0, 1.0] });
-    let spring = |name: &str, between: [&str; 2]| serde_json::json!({ "name": name, "between": between, "axis": [0.0, 0.0, 1.0], "stiffness": 1.0 });
+    double_pendulums(1, force, analysis)
+}
+
+/// Such pendulums side by side, which nothing connects.
+fn double_pendulums(copies: usize, force: f64, analysis: serde_json::Value) -> Model {
+    let axis = [0.0, 0.0, 1.0];
+    let of = |list: &dyn Fn(usize) -> [serde_json::Value; 2]| (0..copies).flat_map(list).collect::<Vec<_>>();
+    let place = |i: usize, x: f64| [x, 0.0, i as f64];
+    let body = |name: &str, i: usize, x: f64, mass: f64| serde_json::json!({ "name": format!("{name}{i}"), "at": place(i, x), "mass": mass, "inertia": [0.01 * mass, 0.01 * mass, 0.01 * mass] });
+    let hinge = |number: usize, i: usize, between: [String; 2], x: f64| serde_json::json!({ "type": "revolute", "name": format!("h{number}{i}"), "between": between, "at": place(i, x), "axis": axis });
+    let spring = |number: usize, i: usize, between: [String; 2]| serde_json::json!({ "name": format!("s{number}{i}"), "between": between, "axis": axis, "stiffness": 1.0 });
+    let links = |i: usize| [["ground".into(), format!("a{i}")], [format!("a{i}"), format!("b{i}")]];
+    let load = |i: usize| serde_json::json!({ "type": "follower-force", "on": format!("b{i}"), "value": [-force, 0.0, 0.0] });
     serde_json::from_value(serde_json::json!({
-        "bodies": [body("a", 1.0, 2.0), body("b", 2.0, 1.0)],
-        "joints": [hinge("h1", ["ground", "a"], 0.0), hinge("h2", ["a", "b"], 1.0)],
-        "torsion_springs": [spring("s1", ["ground", "a"]), spring("s2", ["a", "b"])],
-        "loads": [{ "type": "follower-force", "on": "b", "value": [-force, 0.0, 0.0] }],
+        "bodies": of(&|i| [body("a", i, 1.0, 2.0), body("b", i, 2.0, 1.0)]),
+        "joints": of(&|i| { let [one, other] = links(i); [hinge(1, i, one, 0.0), hinge(2, i, other, 1.0)] }),
+        "torsion_springs": of(&|i| { let [one, other] = links(i); [spring(1, i, one), spring(2, i, other)] }),
+        "loads": (0..copies).map(load).collect::<Vec<_>>(),
         "analysis": analysis
     }))
     .unwrap()
@@ -306,15 +316,41 @@ fn discriminant(p: f64) -> (f64, f64) {
     ((a[(0, 0)] - a[(1, 1)]).powi(2) + 4.0 * a[(0, 1)] * a[(1, 0)], (0.5 * a.trace()).sqrt())
 }
 
-/// At the onset itself both eigenvectors are one: the frequency of a double pendulum is found twice, to the square root of round-off.
-#[test]
-fn modes_at_the_onset_of_flutter_are_the_double_one() {
+/// Force at which the flutter of the double pendulum begins.
+fn onset_of_double_pendulum() -> f64 {
     let (mut low, mut high) = (1.5, 2.5);
     assert!(discriminant(low).0 > 0.0 && discriminant(high).0 < 0.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if discriminant(middle).0 > 0.0 { low = middle } else { high = middle }
     }
+    low
+}
+
+/// Modes of equal pendulums have equal eigenvalues: the search for their coupling ends, and the most growing one of each is that of one pendulum.
+#[test]
+fn several_equal_parts_flutter_as_one_does() {
+    let analysis = serde_json::json!({ "type": "modal", "modes": 2, "prestressed": true });
+    for load in [0.9, 0.999_999, 1.000_001, 1.1] {
+        let force = load * onset_of_double_pendulum();
+        let of = |copies| modes(&double_pendulums(copies, force, analysis.clone()), &mut Notes::default());
+        let most = |found: Vec<Mode>| {
+            let growths = found.iter().map(|mode| mode.complex.as_ref().unwrap().growth);
+            (found[0].omega, growths.max_by(f64::total_cmp).unwrap())
+        };
+        let (omega, growth) = most(of(1));
+        for copies in [2, 3, 4, 5, 7] {
+            let (found, grows) = most(of(copies));
+            assert!((found - omega).abs() < 1e-9 * omega, "{load} {copies} {found}");
+            assert!((grows - growth).abs() < 1e-9, "{load} {copies} {grows} {growth}");
+        }
+    }
+}
+
+/// At the onset itself both eigenvectors are one: the frequency of a double pendulum is found twice, to the square root of round-off.
+#[test]
+fn modes_at_the_onset_of_flutter_are_the_double_one() {
+    let low = onset_of_double_pendulum();
     for distance in [-1e-12, 0.0, 1e-15, 1e-12] {
         let force = low * (1.0 + distance);
         let analysis = serde_json::json!({ "type": "modal", "modes": 2, "prestressed": true });
@@ -340,9 +376,12 @@ fn paths_of_parts_without_mass_go_on_without_the_search_for_flutter() {
     let mut notes = Notes::default();
     let outcome = path::run(&compile(&m).1, &options, None, &mut notes).unwrap();
     assert_eq!(outcome.state.time, 1.0);
-    let told = |text: &&String| text.contains("is not known: parts of the model have no mass");
-    assert_eq!(notes.events.iter().filter(told).count(), 1, "{:?}", notes.events);
-    assert!(notes.warnings.is_empty(), "{:?}", notes.warnings);
+    assert_eq!(notes.warnings.len(), 1, "{:?}", notes.warnings);
+    assert!(
+        notes.warnings[0].contains("is not known: parts of the model have no mass"),
+        "{:?}",
+        notes.warnings
+    );
 }
 
 /// Real circular frequencies below the third of a column with m L = 1 under a follower force p EI/L² that carries a mass μ m L at its end: roots of
@@ -390,5 +429,33 @@ fn flutter_before_divergence_of_a_column_with_a_heavy_end_is_located() {
         assert_eq!(onset.kind, CriticalKind::Flutter);
         assert!((end * onset.load / low - 1.0).abs() < 2e-3, "{low} {}", end * onset.load);
         assert!(notes.warnings.iter().any(|text| text.contains("flutter")), "{:?}", notes.warnings);
+    }
+}
+
+/// A flutter that begins in the same step in which a divergence ends is located, and ends the path. The loads are those of the cantilever under the part
+/// η = 0.4 of a follower load and the part 1 − η of a dead one: η + (1 − η) cos √p = 0 where divergence begins and ends, and two frequencies meet at the
+/// onset, roots of the boundary conditions w″ = 0, w‴ + (1 − η) p w′ = 0 of w⁗ + p w″ − Ω² w = 0 (V. V. Bolotin, *Nonconservative problems of the theory of
+/// elastic stability*, 1963).
+#[test]
+fn flutter_in_the_step_in_which_a_divergence_ends_is_located() {
+    let eta = 0.4;
+    for force in [30.0, 40.0, 50.0] {
+        let mut m = beck(eta * force, 2, false);
+        m.beams[0].elements = Some(30);
+        let dead = serde_json::json!({ "type": "force", "on": "column.end", "value": [-(1.0 - eta) * force, 0.0, 0.0] });
+        m.loads.push(serde_json::from_value(dead).unwrap());
+        let options =
+            PathAnalysis { end_load: 1.0, end_at: Some(PathEnd::Flutter), ..PathAnalysis::default() };
+        m.analysis = Analysis::Path(options.clone());
+        let mut notes = Notes::default();
+        let critical =
+            path::run(&compile(&m).1, &options, None, &mut notes).unwrap().state.path.unwrap().critical;
+        assert!(notes.warnings.is_empty(), "{force} {:?}", notes.warnings);
+        assert_eq!(critical.len(), 3, "{critical:?}");
+        for (point, expected) in critical.iter().zip([5.2924, 15.8616, 16.4039]) {
+            let load = force * point.load;
+            assert!((load / expected - 1.0).abs() < 2e-3, "{force} {load}");
+        }
+        assert_eq!(critical[2].kind, CriticalKind::Flutter);
     }
 }

@@ -142,9 +142,7 @@ pub(super) fn matters(
     let coupled = DMatrix::from_fn(elastic.len(), elastic.len(), |i, j| {
         dot(&reduced[i], &products[j]) + if i == j { lambdas[i] } else { 0.0 }
     });
-    // The iteration for the eigenvalues does not end where an entry is no number.
-    let finite = coupled.iter().all(|x| x.is_finite());
-    let found = if finite { coupled.complex_eigenvalues().as_slice().to_vec() } else { Vec::new() };
+    let found = tegula_sparse::eigenvalues(&coupled).unwrap_or_default();
     for (change, lambda) in changes.iter_mut().zip(&lambdas) {
         let nearest = found.iter().map(|z| (z.re - lambda).hypot(z.im)).reduce(f64::min);
         *change = larger(*change, nearest.unwrap_or(f64::NAN) / lambda.abs());

@@ -14,7 +14,7 @@
 //! projected problem keeps the symmetries; its eigenvalues are those of the inverse of its linearisation next to a real λ₀.
 //! F. Tisseur, K. Meerbergen, *The quadratic eigenvalue problem*, SIAM Review 43 (2001) 235–286.
 
-use nalgebra::{Complex, DMatrix, DVector, Schur};
+use nalgebra::{Complex, DMatrix, DVector};
 
 use super::problem::{Problem, go_on};
 use super::spinning::{Spin, fixed_frame, gyroscopic};
@@ -166,9 +166,11 @@ pub(super) fn modes(
 /// It is not.
 fn precondition(problem: &mut Problem, skew: &SkewParts, real: &[Mode]) -> Result<f64> {
     let speed = skew.speed();
-    let lowest =
-        real.iter().map(|mode| mode.omega).filter(|omega| *omega > 0.0).fold(f64::INFINITY, f64::min);
-    let mut scale = if lowest.is_finite() { lowest.hypot(speed) } else { speed.abs() };
+    let lowest = |sizes: &mut dyn Iterator<Item = f64>| sizes.filter(|size| *size > 0.0).reduce(f64::min);
+    // All of the known modes may be motions away from the equilibrium without the circulatory stiffness.
+    let lowest = lowest(&mut real.iter().map(|mode| mode.omega))
+        .or_else(|| lowest(&mut real.iter().map(|mode| mode.omega.abs())));
+    let mut scale = lowest.map_or(speed.abs(), |lowest| lowest.hypot(speed));
     let attempts = if skew.circulatory.is_some() { MOST_DOUBLINGS } else { 0 };
     for _ in 0..=attempts {
         if problem.factor(|_| -scale * scale) == Some(0) {
@@ -334,9 +336,8 @@ impl Basis {
         inverse.view_mut((0, 0), (n, n)).copy_from(&-solved(&(&m * 2.0 + &g)));
         inverse.view_mut((0, n), (n, n)).copy_from(&-solved(&m));
         inverse.view_mut((n, 0), (n, n)).fill_with_identity();
-        let Some(schur) = Schur::try_new(inverse, f64::EPSILON, 10_000) else { return Vec::new() };
-        let mut values: Vec<Complex<f64>> = schur
-            .complex_eigenvalues()
+        let mut values: Vec<Complex<f64>> = tegula_sparse::eigenvalues(&inverse)
+            .unwrap_or_default()
             .iter()
             .map(|theta| theta.inv() + 1.0)
             .map(|mu| if mu.im.abs() <= ZERO * mu.norm() { mu.re.into() } else { mu })
@@ -414,15 +415,12 @@ impl Basis {
     }
 }
 
-/// Puts the growing one of two motions ±growth + iω, whose absolute values differ by round-off, before the decaying one.
+/// Puts those of the eigenvalues whose absolute values differ by round-off in the order of their growth, the most growing one first: motions ±growth + iω of one or
+/// of several equal parts, in ascending order of the absolute values.
 fn growing_first(values: &mut [Complex<f64>]) {
-    let mut i = 0;
-    while let Some([a, b]) = values.get(i..i + 2) {
-        let is_pair = (a + b.conj()).norm() <= CLUSTER * a.norm();
-        if is_pair && a.re < b.re {
-            values.swap(i, i + 1);
-        }
-        i += if is_pair { 2 } else { 1 };
+    let growth = |mu: &Complex<f64>| without_noise(*mu).re;
+    for cluster in values.chunk_by_mut(|a, b| (a.norm() - b.norm()).abs() <= CLUSTER * a.norm()) {
+        cluster.sort_by(|a, b| growth(b).total_cmp(&growth(a)));
     }
 }
 

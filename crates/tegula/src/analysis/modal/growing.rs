@@ -124,7 +124,7 @@ impl KnownModes {
         let alike = now.iter().zip(&then).all(|(now, then)| (now - then).abs() <= CHANGED * then.abs());
         let enlarged = stiffness + circulatory * MARGIN;
         let is_vibration = |value: &Complex<f64>| value.re > 0.0 && value.im.abs() <= ROUND_OFF * value.re;
-        alike && enlarged.complex_eigenvalues().iter().all(is_vibration)
+        alike && tegula_sparse::eigenvalues(&enlarged).is_some_and(|values| values.iter().all(is_vibration))
     }
 }
 

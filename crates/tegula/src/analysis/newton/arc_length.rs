@@ -50,7 +50,7 @@ const REMAINS: f64 = 0.1;
 /// Reason of a path on which nothing moves.
 pub const NOTHING_MOVES: &str = "nothing moves with the load factor: no load, prescribed displacement, drive or prescribed strain changes with it, \
                               or the loads hold the model where it is; a small imperfection or side load shows where it becomes unstable, and \
-                              linear buckling tells the load factor";
+                              linear buckling (or, under follower loads, modes of states at several loads) tells the load factor";
 
 /// Plane across a path on which an equilibrium is looked for.
 #[derive(Debug, Clone, Copy)]

@@ -429,7 +429,7 @@ impl<'a> ArcLengthSteps<'a> {
         self.statistics.steps = state.step;
         let is_onset = |found: &&Found| found.point.kind == CriticalKind::Flutter;
         let onset = critical.iter().find(is_onset).map(|found| found.point.load);
-        let divergent = flutter::expected(state.path.as_deref(), &critical);
+        let divergent = flutter::expected(state.path.as_deref(), &critical, f64::INFINITY);
         flutter::look((system, before, divergent), (state, unknown), (growing, onset), observer);
         let Some(path) = &mut state.path else { return };
         let mut negative = negative as i32;

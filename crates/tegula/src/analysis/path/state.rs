@@ -225,14 +225,14 @@ impl PathState {
         let passed = self.critical.iter().filter(|point| point.kind == CriticalKind::Bifurcation).count();
         let wanted = self.critical.iter().any(|point| point.kind.ends(options));
         if options.end_at.is_some() && !wanted {
-            let among = if options.end_at == Some(PathEnd::Flutter) {
-                " and was found among the six lowest modes"
-            } else {
-                ""
+            let reason = match options.end_at {
+                Some(PathEnd::Flutter) if self.flutters => {
+                    "the onset of its flutter is told only between two load factors: smaller steps (`path.step`) locate it"
+                }
+                Some(PathEnd::Flutter) => "it has passed no onset of flutter among the six lowest modes",
+                _ => "it has passed none of the kind that is named",
             };
-            observer.on_warning(&format!(
-                "the path has not ended at a critical point (`end_at`): it has passed none of the kind that is named{among}"
-            ));
+            observer.on_warning(&format!("the path has not ended at a critical point (`end_at`): {reason}"));
         }
         for number in options.switch_at.iter().filter(|number| number.unsigned_abs() as usize > passed) {
             observer.on_warning(&format!(

@@ -54,14 +54,12 @@ impl ArcLengthSteps<'_> {
             self.modes = modes;
             found
         });
-        let divergent = expected(self.path(), critical);
+        let divergent = expected(self.path(), critical, end.a);
         let judged = judged.map(|growing| growing.filter(|motion| is_untold(motion, divergent)));
-        // The number of motions without vibration changes at bifurcations of the step, too.
-        let is_located = |motion: &&GrowingMotion| motion.omega > 0.0 || critical.is_empty();
         let growing = judged.as_ref().and_then(Option::as_ref).filter(|_| !began_before);
-        let Some(vibration) = growing.filter(is_located) else { return (judged, None) };
+        let Some(vibration) = growing else { return (judged, None) };
         let known = known.get_or_insert_with(|| Known::new(self, (arc, negative), end));
-        let located = self.onset_of_flutter(known, (end.a, vibration, divergent), observer);
+        let located = self.onset_of_flutter(known, (end.a, vibration, critical), observer);
         (judged, located)
     }
 
@@ -77,12 +75,12 @@ impl ArcLengthSteps<'_> {
         }
     }
 
-    /// Onset of flutter in a step that begins without it and ends at the distance `length` with this growing motion, beside the `divergent` ones that bifurcations
-    /// explain; `None` where it is not located.
+    /// Onset of flutter in a step that begins without it, has these bifurcations and limit points, and ends at the distance `length` with this growing motion;
+    /// `None` where it is not located.
     fn onset_of_flutter(
         &mut self,
         known: &mut Known,
-        (length, vibration, divergent): (f64, &GrowingMotion, usize),
+        (length, vibration, critical): (f64, &GrowingMotion, &[Found]),
         observer: &mut dyn Observer,
     ) -> Option<Found> {
         // Places before the onset, and behind it with γ².
@@ -98,6 +96,7 @@ impl ArcLengthSteps<'_> {
             let state = self.state_at(&trial);
             let (growing, _) = growing_motion((self.system, &mut self.unknown), &state, observer)?;
             known.add(trial);
+            let divergent = expected(self.path(), critical, next);
             let Some(motion) = growing.filter(|motion| is_untold(motion, divergent)) else {
                 before = next;
                 next = 0.5 * (before + behind.0);
@@ -138,10 +137,11 @@ impl ArcLengthSteps<'_> {
     }
 }
 
-/// Number of motions that bifurcations and limit points explain, which grow without vibrating.
-pub(super) fn expected(path: Option<&PathState>, critical: &[Found]) -> usize {
+/// Number of motions that bifurcations and limit points up to the distance `a` of the step explain, which grow without vibrating.
+pub(super) fn expected(path: Option<&PathState>, critical: &[Found], a: f64) -> usize {
     let before = path.iter().flat_map(|path| &path.critical).map(|point| point.change);
-    let changes: i32 = before.chain(critical.iter().map(|found| found.point.change)).sum();
+    let within = critical.iter().filter(|found| found.a <= a).map(|found| found.point.change);
+    let changes: i32 = before.chain(within).sum();
     changes.max(0) as usize
 }
 
@@ -199,7 +199,7 @@ pub(super) fn look(
     }
 }
 
-/// Motion about an equilibrium that grows, if one does, and its modes; `None` where they are not found, which a message tells at the first of such equilibria
+/// Motion about an equilibrium that grows, if one does, and its modes; `None` where they are not found, which a warning tells at the first of such equilibria
 /// (`unknown`).
 fn growing_motion(
     (system, unknown): (&System, &mut bool),
@@ -218,7 +218,7 @@ fn growing_motion(
                 Error::NotConverged { reason, .. } => reason,
                 error => error.to_string(),
             };
-            observer.on_event(&format!(
+            observer.on_warning(&format!(
                 "whether the equilibria from the load factor {now:.6} on are stable against flutter is not known: {reason}"
             ));
             None
