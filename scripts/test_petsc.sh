@@ -22,7 +22,8 @@ echo "factorisations on 1 to 4 ranks are those of the program"
 cargo build --release -p tegula-cli --features petsc
 cp "${CARGO_TARGET_DIR:-target}/release/tegula" "$out/tegula"
 if [ "${1:-}" != --all ]; then
-  python3 scripts/test_ranks.py "$out/tegula" verification/models/quarter_cylinder.toml examples/free_plate_modes.toml \
+  python3 scripts/test_ranks.py "$out/tegula" verification/models/quarter_cylinder.toml \
+    examples/quarter_cylinder_static.toml:iterative examples/free_plate_modes.toml \
     examples/plate_buckling.toml examples/stress_wave.toml examples/yielding_strip.toml
   python3 scripts/test_rank_faults.py "$out/tegula" 0
   exit

@@ -19,6 +19,23 @@ const LOCAL_SIZES: [&str; 2] = ["OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS"]
 /// Time that other ranks leave to rank 0 to tell why a run ends.
 const BEHIND_FIRST: Duration = Duration::from_secs(2);
 
+/// Ranks that share the subdomains of iterative solvers.
+struct Shared(tegula_petsc::Communicator);
+
+impl tegula::bddc::Ranks for Shared {
+    fn rank(&self) -> usize {
+        self.0.rank()
+    }
+
+    fn size(&self) -> usize {
+        self.0.size()
+    }
+
+    fn gather(&self, values: &mut [f64], begins: &[usize]) -> Result<(), String> {
+        self.0.gather(values, begins).map_err(|error| error.to_string())
+    }
+}
+
 /// Ranks of a run, of which this process is one.
 #[derive(Default)]
 pub struct Ranks {
@@ -45,8 +62,9 @@ impl Ranks {
             tell!("rank {} of {} has failed; the run is ended", all.rank(), all.size());
             all.abort(101);
         }));
-        // There is no other method: this is the one start.
+        // There is no other method, and there are no other ranks: this is the one start.
         let _ = tegula::analysis::solve_by(Arc::new(tegula_petsc::Mumps(all)));
+        let _ = tegula::bddc::share_subdomains(Arc::new(Shared(all)));
         if all.rank() > 0 {
             terminal::silence();
         }

@@ -80,6 +80,24 @@ impl Communicator {
         Ok(u64::from_le_bytes(bytes))
     }
 
+    /// Gathers parts of a vector (collective): each rank r has `values[begins[r]..begins[r + 1]]`, and all of them have the whole vector then.
+    ///
+    /// # Errors
+    /// MPI failed, or there are more than 2³¹ values.
+    ///
+    /// # Panics
+    /// `begins` has not one entry for each rank and the number of values behind them, in ascending order from 0.
+    pub fn gather(&self, values: &mut [f64], begins: &[usize]) -> Result<(), PetscError> {
+        assert_eq!(begins.len(), self.size + 1, "there is a place for each rank");
+        assert!(
+            begins[0] == 0 && begins.is_sorted() && begins[self.size] == values.len(),
+            "the places are those of the values"
+        );
+        let begins: Vec<i64> = begins.iter().map(|&begin| begin as i64).collect();
+        // SAFETY: the places of all ranks lie in `values`.
+        shim::outcome(unsafe { shim::tegula_petsc_gather(values.as_mut_ptr(), begins.as_ptr()) })
+    }
+
     /// Ends all ranks at once, with an exit code.
     pub fn abort(&self, code: i32) -> ! {
         // SAFETY: it takes any number.

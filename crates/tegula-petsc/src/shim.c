@@ -69,6 +69,8 @@ void tegula_petsc_abort(int32_t code)
 const char *tegula_petsc_message(int32_t code)
 {
     const char *text = NULL;
+    if (code == NO_MEMORY) return "there is not enough memory";
+    if (code == TOO_LARGE) return "there are more numbers than one call of MPI or PETSc can take";
     if (message[0]) return message;
     PetscErrorMessage((PetscErrorCode)code, &text, NULL);
     return text ? text : "unknown error of PETSc or MPI";
@@ -85,6 +87,23 @@ int tegula_petsc_largest(int64_t *value)
 int tegula_petsc_broadcast(void *bytes, int32_t count)
 {
     return MPI_Bcast(bytes, count, MPI_BYTE, 0, PETSC_COMM_WORLD);
+}
+
+/* Gathers parts of a vector: `begins` has the place of the first value of each rank, and the number of all. */
+int tegula_petsc_gather(double *values, const int64_t *begins)
+{
+    int size;
+    CHECK(MPI_Comm_size(PETSC_COMM_WORLD, &size));
+    if (begins[size] > INT32_MAX) return TOO_LARGE;
+    int *counts = malloc(2 * (size_t)size * sizeof *counts);
+    if (!counts) return NO_MEMORY;
+    for (int r = 0; r < size; r++) {
+        counts[r] = (int)(begins[r + 1] - begins[r]);
+        counts[size + r] = (int)begins[r];
+    }
+    int code = MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, values, counts, counts + size, MPI_DOUBLE, PETSC_COMM_WORLD);
+    free(counts);
+    return code;
 }
 
 /* Factorisation of symmetric matrices of one pattern by MUMPS. */

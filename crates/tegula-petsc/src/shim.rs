@@ -10,6 +10,7 @@ unsafe extern "C" {
     pub fn tegula_petsc_abort(code: i32);
     pub fn tegula_petsc_largest(value: *mut i64) -> i32;
     pub fn tegula_petsc_broadcast(bytes: *mut c_void, count: i32) -> i32;
+    pub fn tegula_petsc_gather(values: *mut f64, begins: *const i64) -> i32;
     pub fn tegula_petsc_analyse(
         n: i64,
         first: i64,

@@ -38,7 +38,7 @@ impl LocalVector {
 }
 
 /// Assembly of the lower triangle of a subdomain's matrix, in compressed columns.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct LocalAssembly {
     /// Start of the blocks and start of the vectors of each term; then the ends.
     terms: Vec<[u32; 2]>,

@@ -98,35 +98,46 @@ impl Bddc {
     ) -> Result<Convergence, BddcError> {
         let right_side: &[f64] = x;
         let workspaces = &self.workspaces;
-        self.data.par_iter_mut().with_max_len(4).zip(&self.subdomains).for_each(|(datum, subdomain)| {
-            for (x, &u) in datum.x.iter_mut().zip(&subdomain.unknowns[..subdomain.inner]) {
-                *x = right_side[u as usize];
-            }
-            datum.x[subdomain.inner..].fill(0.0);
-            with_workspace(workspaces, |workspace| datum.interior.condense_with(&mut datum.x, workspace));
-            datum.y.copy_from_slice(&datum.x[subdomain.inner..]);
-        });
+        let own = self.distribution.own();
+        self.data[own.clone()].par_iter_mut().with_max_len(4).zip(&self.subdomains[own.clone()]).for_each(
+            |(datum, subdomain)| {
+                let Some(interior) = &mut datum.interior else { return };
+                for (x, &u) in datum.x.iter_mut().zip(&subdomain.unknowns[..subdomain.inner]) {
+                    *x = right_side[u as usize];
+                }
+                datum.x[subdomain.inner..].fill(0.0);
+                with_workspace(workspaces, |workspace| interior.condense_with(&mut datum.x, workspace));
+                datum.y.copy_from_slice(&datum.x[subdomain.inner..]);
+            },
+        );
+        self.distribution.exchange(&mut self.data, |_, datum| &mut datum.y)?;
         for (g, &u) in vectors.right.iter_mut().zip(&self.interface.unknowns) {
             *g = x[u as usize];
         }
         self.interface.add(&self.data, 0, &mut vectors.right);
         let convergence = self.iterate(wanted, vectors)?;
         let (solution, workspaces) = (&vectors.solution, &self.workspaces);
-        self.data
+        self.data[own.clone()]
             .par_iter_mut()
             .with_max_len(4)
-            .zip(&self.subdomains)
-            .zip(&self.interface.of_subdomain)
+            .zip(&self.subdomains[own.clone()])
+            .zip(&self.interface.of_subdomain[own])
             .for_each(|((datum, subdomain), of)| {
                 for (x, &n) in datum.x[subdomain.inner..].iter_mut().zip(of) {
                     *x = solution[n as usize];
                 }
-                with_workspace(workspaces, |workspace| datum.interior.expand_with(&mut datum.x, workspace));
+                let Some(interior) = &mut datum.interior else { return };
+                with_workspace(workspaces, |workspace| interior.expand_with(&mut datum.x, workspace));
             });
+        let subdomains = &self.subdomains;
+        self.distribution.exchange(&mut self.data, |p, datum| &mut datum.x[..subdomains[p].inner])?;
         for (datum, subdomain) in self.data.iter().zip(&self.subdomains) {
-            for (value, &u) in datum.x.iter().zip(&subdomain.unknowns) {
+            for (value, &u) in datum.x.iter().zip(&subdomain.unknowns[..subdomain.inner]) {
                 x[u as usize] = *value;
             }
+        }
+        for (value, &u) in vectors.solution.iter().zip(&self.interface.unknowns) {
+            x[u as usize] = *value;
         }
         Ok(convergence)
     }
@@ -148,7 +159,7 @@ impl Bddc {
         let mut converged = false;
         loop {
             // Start, or restart, from the true residual.
-            self.precondition(r, z);
+            self.precondition(r, z)?;
             let mut rz = positive(dot(r, z, sums))?;
             let first = *start.get_or_insert(rz);
             let enough = wanted.absolute.powi(2).min(wanted.share.powi(2) * first);
@@ -171,7 +182,7 @@ impl Bddc {
             p.copy_from_slice(z);
             runs += 1;
             while iterations < wanted.iterations {
-                self.product(p, sp);
+                self.product(p, sp)?;
                 let curvature = dot(p, sp, sums);
                 if !curvature.is_finite() {
                     return Err(BddcError::NotFinite);
@@ -186,7 +197,7 @@ impl Bddc {
                 add(alpha, p, solution);
                 add(-alpha, sp, r);
                 iterations += 1;
-                self.precondition(r, z);
+                self.precondition(r, z)?;
                 let old = rz;
                 rz = positive(dot(r, z, sums))?;
                 let beta = rz / old;
@@ -199,7 +210,7 @@ impl Bddc {
                 }
                 p.par_iter_mut().with_min_len(CHUNK).zip(z.as_slice()).for_each(|(p, z)| *p = z + beta * *p);
             }
-            self.product(solution, sp);
+            self.product(solution, sp)?;
             for ((r, b), s) in r.iter_mut().zip(right.iter()).zip(sp.iter()) {
                 *r = b - s;
             }
@@ -207,12 +218,13 @@ impl Bddc {
     }
 
     /// Product with the assembled Schur complement, `out = S x`.
-    fn product(&mut self, x: &[f64], out: &mut [f64]) {
-        self.data
+    fn product(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), BddcError> {
+        let own = self.distribution.own();
+        self.data[own.clone()]
             .par_iter_mut()
             .with_max_len(4)
-            .zip(&self.subdomains)
-            .zip(&self.interface.of_subdomain)
+            .zip(&self.subdomains[own.clone()])
+            .zip(&self.interface.of_subdomain[own])
             .for_each(|((datum, subdomain), of)| {
                 let Some(schur) = &datum.schur else { return };
                 // The interior unknowns stay in `x` until the end of the iteration; the places of the interface are
@@ -223,19 +235,21 @@ impl Bddc {
                 }
                 schur.product(local, &mut datum.y);
             });
+        self.distribution.exchange(&mut self.data, |_, datum| &mut datum.y)?;
         out.fill(0.0);
         self.interface.add(&self.data, 0, out);
+        Ok(())
     }
 
     /// Applies the BDDC preconditioner, `z = M⁻¹ r`.
-    fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
+    fn precondition(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), BddcError> {
         self.scaling.share(r);
-        let scaling = &self.scaling;
-        let each = |data: &mut Vec<super::SubdomainData>| {
+        let (scaling, subdomains, own) = (&self.scaling, &self.subdomains, self.distribution.own());
+        let each = |data: &mut [super::SubdomainData]| {
             data.par_iter_mut()
                 .with_max_len(4)
-                .zip(&self.subdomains)
-                .zip(&self.interface.of_subdomain)
+                .zip(&subdomains[own.clone()])
+                .zip(&self.interface.of_subdomain[own.clone()])
                 .for_each(|((datum, subdomain), of)| {
                     let Some(schur) = &datum.schur else { return };
                     for (k, (y, &n)) in datum.y.iter_mut().zip(of).enumerate() {
@@ -250,18 +264,19 @@ impl Bddc {
                     schur.forward(&mut datum.y);
                 });
         };
-        each(&mut self.data);
+        each(&mut self.data[own.clone()]);
+        self.distribution.exchange(&mut self.data, |p, datum| &mut datum.y[subdomains[p].dual..])?;
         let dual = self.interface.dual();
         let (z_dual, z_primal) = z.split_at_mut(dual);
         z_primal.copy_from_slice(&r[dual..]);
         self.interface.add(&self.data, dual, z_primal);
         self.coarse.solve(z_primal);
         let z_primal: &[f64] = z_primal;
-        self.data
+        self.data[own.clone()]
             .par_iter_mut()
             .with_max_len(4)
-            .zip(&self.subdomains)
-            .zip(&self.interface.of_subdomain)
+            .zip(&subdomains[own.clone()])
+            .zip(&self.interface.of_subdomain[own])
             .for_each(|((datum, subdomain), of)| {
                 let Some(schur) = &datum.schur else { return };
                 for (y, &n) in datum.y[subdomain.dual..].iter_mut().zip(&of[subdomain.dual..]) {
@@ -273,10 +288,12 @@ impl Bddc {
                     *y *= if (n as usize) < grouped { 1.0 } else { *w };
                 }
             });
+        self.distribution.exchange(&mut self.data, |p, datum| &mut datum.y[..subdomains[p].dual])?;
         let (z_groups, z_rest) = z_dual.split_at_mut(scaling.len());
         scaling.average(&self.data, z_groups);
         z_rest.fill(0.0);
         self.interface.add(&self.data, scaling.len(), z_rest);
+        Ok(())
     }
 }
 

@@ -21,6 +21,7 @@ use tegula_sparse::dense::{Diagonal, PartialCholesky, solve_lower_from_right};
 
 use super::interface::Interface;
 use super::primal_nodes::Sharing;
+use super::ranks::Distribution;
 use super::{BddcError, SubdomainData};
 use crate::system::LocalFrames;
 use crate::system::dof_map::CONSTRAINED;
@@ -61,6 +62,8 @@ pub(super) struct DeluxeScaling {
     first: Vec<u32>,
     /// Share of the first subdomain in the force on each unknown.
     shares: Vec<f64>,
+    /// Subdomains of the edges in ascending order, each with the number of the edge and the place of the subdomain there.
+    sides: Vec<(u32, u32, usize)>,
 }
 
 struct Member {
@@ -69,6 +72,8 @@ struct Member {
     /// Subdomains of the edge; `places` are the positions of the unknowns on their interfaces.
     subdomains: [u32; 2],
     places: [Vec<u32>; 2],
+    /// Starts of the Schur complements of the subdomains at its unknowns, among those of all edges.
+    minors: [usize; 2],
     /// Scaling matrix `D`, by columns.
     matrix: Vec<f64>,
 }
@@ -82,7 +87,7 @@ impl Member {
 impl DeluxeScaling {
     pub fn new(groups: &[Group], interface: &Interface) -> Self {
         let mut first = Vec::new();
-        let members = groups
+        let mut members: Vec<Member> = groups
             .iter()
             .map(|g| {
                 let start = first.len();
@@ -92,11 +97,20 @@ impl DeluxeScaling {
                         |n: usize| interface.sources(n).iter().find(|s| s.0 == subdomain).map_or(0, |s| s.1);
                     (start..first.len()).map(place).collect()
                 });
-                Member { start, subdomains: g.subdomains, places, matrix: Vec::new() }
+                Member { start, subdomains: g.subdomains, places, minors: [0; 2], matrix: Vec::new() }
             })
             .collect();
         let shares = vec![0.0; first.len()];
-        Self { members, first, shares }
+        let of_edge = |(m, member): (u32, &Member)| [0, 1].map(|k| (member.subdomains[k], m, k));
+        let mut sides: Vec<(u32, u32, usize)> = (0..).zip(&members).flat_map(of_edge).collect();
+        sides.sort_unstable();
+        let mut start = 0;
+        for &(_, m, k) in &sides {
+            let member = &mut members[m as usize];
+            member.minors[k] = start;
+            start += member.len().pow(2);
+        }
+        Self { members, first, shares, sides }
     }
 
     /// Number of unknowns of all interface edges, which are the first of the dual unknowns.
@@ -105,18 +119,31 @@ impl DeluxeScaling {
     }
 
     /// Computes the scaling matrices `D` of all interface edges.
-    pub fn weigh(&mut self, data: &[SubdomainData]) -> Result<(), BddcError> {
-        let done: Vec<Option<()>> = self
-            .members
+    ///
+    /// # Errors
+    /// The sum of the Schur complements at an edge is not positive definite, or the ranks cannot communicate.
+    pub fn weigh(
+        &mut self,
+        data: &[SubdomainData],
+        distribution: &mut Distribution,
+    ) -> Result<(), BddcError> {
+        let Self { members, sides, .. } = self;
+        let order = |m: u32| members[m as usize].len().pow(2);
+        let mut minors = vec![0.0; sides.iter().map(|side| order(side.1)).sum()];
+        let mut rest = minors.as_mut_slice();
+        for &(p, m, k) in sides.iter() {
+            let (minor, others) = rest.split_at_mut(order(m));
+            if let Some(schur) = &data[p as usize].schur {
+                schur.add_minor(&members[m as usize].places[k], minor);
+            }
+            rest = others;
+        }
+        distribution.gather(&mut minors, sides.iter().map(|&(p, m, _)| (p as usize, order(m))))?;
+        let done: Vec<Option<()>> = members
             .par_iter_mut()
             .map(|member| {
                 let n = member.len();
-                let mut minors = [vec![0.0; n * n], vec![0.0; n * n]];
-                for k in 0..2 {
-                    let schur = data[member.subdomains[k] as usize].schur.as_ref()?;
-                    schur.add_minor(&member.places[k], &mut minors[k]);
-                }
-                let [mut first, mut sum] = minors;
+                let [mut first, mut sum] = member.minors.map(|start| minors[start..start + n * n].to_vec());
                 for j in 0..n {
                     for i in j..n {
                         sum[j * n + i] += first[j * n + i];

@@ -1,17 +1,28 @@
 //! Terms of the tangent for BDDC, which partitions the mesh into subdomains.
 
+use std::sync::Arc;
+
+use super::ranks::{self, Ranks};
 use super::{Bddc, BddcError, Options, Quads, Terms};
 use crate::Vec3;
 use crate::lists::Lists;
 use crate::system::{System, VectorKind};
 
 impl System {
-    /// BDDC solver that partitions the mesh of this system into subdomains. Its terms are the elements of all groups,
+    /// BDDC solver that partitions the mesh of this system into subdomains, shared with the ranks of [`share_subdomains`](super::share_subdomains). Its terms are the elements of all groups,
     /// then the follower loads.
     ///
     /// # Errors
     /// There is not enough memory.
     pub fn bddc(&self, options: &Options) -> Result<Bddc, BddcError> {
+        self.bddc_on_ranks(options, ranks::of_process())
+    }
+
+    /// BDDC solver like [`Self::bddc`], of whose subdomains each of these ranks has some.
+    ///
+    /// # Errors
+    /// There is not enough memory.
+    pub fn bddc_on_ranks(&self, options: &Options, ranks: Option<Arc<dyn Ranks>>) -> Result<Bddc, BddcError> {
         let coordinates = &self.coordinates;
         let positions: Vec<Vec3> = coordinates
             .position_of
@@ -58,6 +69,6 @@ impl System {
             terms.push_tie(load.vectors(), home(load.vectors()));
         }
         let quads = Quads { nodes: &quads, positions: &positions };
-        Bddc::new(quads, &terms, &coordinates.nodes, &self.frames, options)
+        Bddc::new(quads, &terms, &coordinates.nodes, &self.frames, (options, ranks))
     }
 }

@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::SubdomainData;
 use super::deluxe_scaling::Group;
+use super::ranks::Distribution;
 use super::subdomain::Subdomain;
+use super::{BddcError, SubdomainData};
 use crate::lists::Lists;
 
 /// Interface unknowns: dual unknowns first, then primal unknowns.
@@ -89,16 +90,26 @@ impl Interface {
 
     /// Weights of the subdomains at the dual unknowns (stiffness scaling), from the diagonals of their Schur
     /// complements. They add up to one.
-    pub fn weigh(&self, subdomains: &[Subdomain], data: &mut [SubdomainData]) {
+    ///
+    /// # Errors
+    /// The ranks cannot communicate.
+    pub fn weigh(
+        &self,
+        subdomains: &[Subdomain],
+        data: &mut [SubdomainData],
+        distribution: &mut Distribution,
+    ) -> Result<(), BddcError> {
         for datum in data.iter_mut() {
             let Some(schur) = &datum.schur else { continue };
             datum.y.iter_mut().zip(schur.diagonal()).for_each(|(y, d)| *y = d);
         }
+        distribution.exchange(data, |_, datum| &mut datum.y)?;
         let mut sums = vec![0.0; self.dual];
         self.add(data, 0, &mut sums);
         for ((datum, subdomain), of) in data.iter_mut().zip(subdomains).zip(&self.of_subdomain) {
             let shares = datum.y.iter().zip(of).take(subdomain.dual);
             datum.weights = shares.map(|(y, &n)| y / sums[n as usize]).collect();
         }
+        Ok(())
     }
 }

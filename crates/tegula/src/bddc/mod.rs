@@ -30,12 +30,13 @@ mod elements;
 mod interface;
 mod partition;
 mod primal_nodes;
+mod ranks;
 mod schur_complement;
 mod subdomain;
 mod tridiagonal;
 
 use std::collections::BTreeSet;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
@@ -44,6 +45,8 @@ pub use self::conjugate_gradients::StoppingCriterion;
 use self::deluxe_scaling::DeluxeScaling;
 use self::interface::Interface;
 use self::primal_nodes::{PrimalNodes, Sharing, select_primal_nodes};
+use self::ranks::Distribution;
+pub use self::ranks::{Ranks, share_subdomains};
 use self::schur_complement::DenseSchurComplement;
 use self::subdomain::{Refused, Roles, Scratch, Subdomain};
 use crate::Vec3;
@@ -197,6 +200,9 @@ pub enum BddcError {
         /// Expected size.
         expected: usize,
     },
+    /// The ranks that share the subdomains cannot communicate.
+    #[error("the ranks that share the subdomains cannot communicate: {0}")]
+    Ranks(String),
     /// The solution did not become accurate enough and is not returned.
     #[error(
         "not converged after {iterations} iterations: relative residual {residual:.1e} for {tolerance:.1e}"
@@ -209,6 +215,20 @@ pub enum BddcError {
         /// Relative residual that was required.
         tolerance: f64,
     },
+}
+
+impl From<Refused> for BddcError {
+    fn from(refused: Refused) -> Self {
+        match refused {
+            Refused::Inner => Self::Indefinite(
+                "the stiffness of the interior unknowns of a subdomain is not positive definite",
+            ),
+            Refused::Border => Self::Indefinite(
+                "the stiffness of a subdomain with fixed primal nodes is not positive definite",
+            ),
+            Refused::Factor(e) => e.into(),
+        }
+    }
 }
 
 impl From<FactorError> for BddcError {
@@ -256,6 +276,7 @@ pub struct Bddc {
     /// Number of nodal vectors.
     nodal: usize,
     unknowns: usize,
+    distribution: Distribution,
     vectors: conjugate_gradients::Vectors,
     /// Workspaces of the threads for the substitutions in the interiors.
     workspaces: Mutex<Vec<Workspace>>,
@@ -265,8 +286,8 @@ pub struct Bddc {
 struct SubdomainData {
     /// Blocks of its terms, until they are factored.
     blocks: Vec<f64>,
-    /// Factor of its interior unknowns.
-    interior: SchurComplement,
+    /// Factor of its interior unknowns; none where the subdomain belongs to another rank.
+    interior: Option<SchurComplement>,
     /// Schur complement on its interface, and the factor of that.
     schur: Option<DenseSchurComplement>,
     /// Schur complement at its primal unknowns, until the coarse matrix is factored: lower triangle by columns.
@@ -280,7 +301,7 @@ struct SubdomainData {
 }
 
 impl SubdomainData {
-    fn new(subdomain: &Subdomain, interior: SchurComplement) -> Self {
+    fn new(subdomain: &Subdomain, interior: Option<SchurComplement>) -> Self {
         Self {
             blocks: Vec::new(),
             interior,
@@ -294,7 +315,7 @@ impl SubdomainData {
 }
 
 impl Bddc {
-    /// Partitions a mesh and analyses its subdomains. `node_of` gives the node of every nodal vector.
+    /// Partitions a mesh and analyses its subdomains, of which each of the ranks has some. `node_of` gives the node of every nodal vector.
     ///
     /// # Errors
     /// A subdomain or the coarse matrix would be too large.
@@ -303,9 +324,10 @@ impl Bddc {
         terms: &Terms,
         node_of: &[u32],
         frames: &LocalFrames,
-        options: &Options,
+        (options, ranks): (&Options, Option<Arc<dyn Ranks>>),
     ) -> Result<Self, BddcError> {
         let (piece_of, count) = partition::partition(&quads, options.size.clamp(1, 4096));
+        let mut distribution = Distribution::new(ranks, count);
         let of_term = |t: usize| piece_of[terms.quads[t] as usize];
         let sharing = Sharing::new(terms, of_term, node_of.len());
         let PrimalNodes { primal, edges } =
@@ -313,15 +335,18 @@ impl Bddc {
         let shared = |v: u32| sharing.shared.contains_key(&v);
         let primal = |v: u32| primal.contains(&node_of[v as usize]);
         let roles = Roles { frames, node_of, shared: &shared, primal: &primal };
-        let Parts { subdomains, data, slots } = Parts::new(terms, (&piece_of, count), &roles)?;
+        let Parts { subdomains, data, slots } =
+            Parts::new(terms, (&piece_of, count), &roles, &mut distribution)?;
         let groups = deluxe_scaling::groups(&sharing, &edges, node_of, frames);
         let interface = Interface::new(&subdomains, frames.dofs().unknowns, &groups);
         let scaling = DeluxeScaling::new(&groups, &interface);
         let coarse = Coarse::new(&subdomains, &interface)?;
         let vectors = conjugate_gradients::Vectors::new(interface.len());
+        let own = distribution.own();
         Ok(Self {
             subdomains,
-            given: vec![false; slots.len()],
+            given: slots.iter().map(|slot| !own.contains(&(slot.0 as usize))).collect(),
+            distribution,
             slots,
             data,
             interface,
@@ -346,14 +371,24 @@ impl Bddc {
     /// Drops the factors, the blocks and the shifts.
     fn clear(&mut self) {
         for datum in &mut self.data {
-            datum.interior.release();
+            if let Some(interior) = &mut datum.interior {
+                interior.release();
+            }
             datum.schur = None;
             datum.blocks = Vec::new();
             datum.primal = Vec::new();
         }
-        self.given.fill(false);
+        self.expect_terms();
         self.shifts.clear();
         self.ready = false;
+    }
+
+    /// Expects the blocks of all terms of this rank's subdomains anew.
+    fn expect_terms(&mut self) {
+        let own = self.distribution.own();
+        for (given, slot) in self.given.iter_mut().zip(&self.slots) {
+            *given = !own.contains(&(slot.0 as usize));
+        }
     }
 
     /// Adds multiples of the unit matrix to the diagonal blocks of nodal vectors, of which there are `count`. A `count`
@@ -377,6 +412,9 @@ impl Bddc {
             self.expect("the list of terms", term + 1, self.slots.len());
             return;
         };
+        if !self.distribution.own().contains(&(number as usize)) {
+            return;
+        }
         let (subdomain, datum) = (&self.subdomains[number as usize], &mut self.data[number as usize]);
         if datum.blocks.is_empty() {
             datum.blocks.resize(subdomain.blocks(), 0.0);
@@ -404,9 +442,10 @@ impl Bddc {
     /// Terms are missing or of a wrong size, the subdomains or the coarse matrix show that the matrix is not positive
     /// definite, or there is not enough memory. Nothing can be solved then until another matrix is factored.
     pub fn factor(&mut self, frames: &LocalFrames) -> Result<(), BddcError> {
-        let result = self.check(frames).and_then(|()| self.factor_all(frames));
+        let checked = self.check(frames);
+        let result = self.distribution.agree(checked).and_then(|()| self.factor_all(frames));
         if result.is_ok() {
-            self.given.fill(false);
+            self.expect_terms();
             self.shifts.clear();
             self.ready = true;
         } else {
@@ -435,13 +474,14 @@ impl Bddc {
     }
 
     fn factor_all(&mut self, frames: &LocalFrames) -> Result<(), BddcError> {
-        let Self { subdomains, data, interface, shifts, .. } = self;
+        let Self { subdomains, data, interface, shifts, distribution, .. } = self;
         let scratches: Mutex<Vec<Scratch>> = Mutex::default();
-        let done: Vec<Result<(), Refused>> = data
+        let own = distribution.own();
+        let done: Vec<Result<(), Refused>> = data[own.clone()]
             .par_iter_mut()
             .with_max_len(1)
-            .zip(subdomains.as_slice())
-            .zip(&interface.of_subdomain)
+            .zip(&subdomains[own.clone()])
+            .zip(&interface.of_subdomain[own.clone()])
             .map(|((datum, subdomain), of)| {
                 let blocks = std::mem::take(&mut datum.blocks);
                 if !blocks.iter().all(|b| b.is_finite()) {
@@ -450,26 +490,22 @@ impl Bddc {
                 let shifts = subdomain.shifts(shifts, |k| interface.subdomains(of[k]));
                 let mut scratch = locked(&scratches).pop().unwrap_or_default();
                 let input = (blocks.as_slice(), shifts.as_slice());
-                let factored = subdomain.factor(&mut datum.interior, input, frames, &mut scratch);
+                let Some(interior) = &mut datum.interior else { return Ok(()) };
+                let factored = subdomain.factor(interior, input, frames, &mut scratch);
                 locked(&scratches).push(scratch);
                 let (schur, primal) = factored?;
                 (datum.schur, datum.primal) = (Some(schur), primal);
                 Ok(())
             })
             .collect();
-        for result in done {
-            result.map_err(|refused| match refused {
-                Refused::Inner => BddcError::Indefinite(
-                    "the stiffness of the interior unknowns of a subdomain is not positive definite",
-                ),
-                Refused::Border => BddcError::Indefinite(
-                    "the stiffness of a subdomain with fixed primal nodes is not positive definite",
-                ),
-                Refused::Factor(e) => e.into(),
-            })?;
+        distribution.settle(done.into_iter())?;
+        interface.weigh(subdomains, data, distribution)?;
+        self.scaling.weigh(data, distribution)?;
+        for (datum, subdomain) in data.iter_mut().zip(subdomains.as_slice()) {
+            let primal = subdomain.primal();
+            datum.primal.resize(primal * (primal + 1) / 2, 0.0);
         }
-        self.interface.weigh(&self.subdomains, &mut self.data);
-        self.scaling.weigh(&self.data)?;
+        distribution.exchange(data, |_, datum| &mut datum.primal)?;
         self.coarse.factor(&mut self.data)
     }
 }
@@ -488,14 +524,22 @@ impl Parts {
         terms: &Terms,
         (piece_of, count): (&[u32], usize),
         roles: &Roles<'_>,
-    ) -> Result<Self, FactorError> {
+        distribution: &mut Distribution,
+    ) -> Result<Self, BddcError> {
         let of_quad = Lists::by_key(piece_of.len(), terms.quads.iter().zip(0..).map(|(&q, t)| (q, t)));
         let mut orders: Vec<Vec<u32>> = vec![Vec::new(); count];
         for (q, &p) in piece_of.iter().enumerate() {
             orders[p as usize].extend(of_quad.of(q));
         }
-        let made: Vec<Result<(Subdomain, SchurComplement), FactorError>> =
-            orders.par_iter().with_max_len(1).map(|order| Subdomain::new(terms, order, roles)).collect();
+        let own = distribution.own();
+        let made: Vec<Result<(Subdomain, Option<SchurComplement>), FactorError>> = orders
+            .par_iter()
+            .with_max_len(1)
+            .enumerate()
+            .map(|(p, order)| Subdomain::new(terms, order, roles, own.contains(&p)))
+            .collect();
+        let refused = |made: &Result<_, FactorError>| made.as_ref().map(drop).map_err(|e| e.clone().into());
+        distribution.settle(made[own].iter().map(refused))?;
         let (mut subdomains, mut data) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut slots = vec![(0, 0); terms.len()];
         for ((p, made), order) in (0..).zip(made).zip(&orders) {

@@ -18,6 +18,7 @@ use tegula_sparse::{FactorError, SchurComplement, Workspace};
 pub(super) struct Subdomain {
     /// Number of the subdomain.
     pub number: u32,
+    /// Assembly of its matrix, without terms where the subdomain belongs to another rank.
     assembly: LocalAssembly,
     /// Free degree of freedom of each unknown: interior unknowns, then dual unknowns, then primal unknowns.
     pub unknowns: Vec<u32>,
@@ -65,7 +66,7 @@ impl Roles<'_> {
 }
 
 impl Subdomain {
-    /// Subdomain of the terms `order`, and the symbolic factorisation of its interior.
+    /// Subdomain of the terms `order`, and the symbolic factorisation of its interior, unless it belongs to another rank.
     ///
     /// # Errors
     /// The matrix or its factor is too large to be indexed.
@@ -73,7 +74,8 @@ impl Subdomain {
         terms: &Terms,
         order: &[u32],
         roles: &Roles<'_>,
-    ) -> Result<(Self, SchurComplement), FactorError> {
+        is_own: bool,
+    ) -> Result<(Self, Option<SchurComplement>), FactorError> {
         let (mut unknowns, mut vectors) = (Vec::new(), Vec::new());
         let mut counts = [0; 3];
         for (role, _, v) in roles.vectors(terms, order) {
@@ -88,10 +90,14 @@ impl Subdomain {
             vectors.push(LocalVector { vector: v, unknowns: roles.frames.of(v as usize).map(number) });
         }
         let [inner, dual, _] = counts;
+        if !is_own {
+            let assembly = LocalAssembly::default();
+            return Ok((Self { number: 0, assembly, unknowns, inner, dual }, None));
+        }
         let (assembly, pattern) = LocalAssembly::new(terms, order, vectors)?;
         let interface: Vec<u32> = (inner as u32..unknowns.len() as u32).collect();
         let interior = SchurComplement::sequential(&pattern, &interface)?;
-        Ok((Self { number: 0, assembly, unknowns, inner, dual }, interior))
+        Ok((Self { number: 0, assembly, unknowns, inner, dual }, Some(interior)))
     }
 
     /// Number of interface unknowns.
@@ -184,6 +190,31 @@ pub(super) enum Refused {
     Border,
     /// Another error of the factorisation.
     Factor(FactorError),
+}
+
+impl Refused {
+    /// Number by which ranks tell each other the reason, not 0.
+    pub fn code(&self) -> f64 {
+        match self {
+            Self::Inner => 1.0,
+            Self::Border => 2.0,
+            Self::Factor(FactorError::NotFinite) => 3.0,
+            Self::Factor(FactorError::Singular) => 4.0,
+            Self::Factor(FactorError::TooLarge | FactorError::Other(_)) => 5.0,
+        }
+    }
+
+    /// Reason of a number; none of 0.
+    pub fn of_code(code: f64) -> Option<Self> {
+        Some(match code as u8 {
+            0 => return None,
+            1 => Self::Inner,
+            2 => Self::Border,
+            3 => Self::Factor(FactorError::NotFinite),
+            4 => Self::Factor(FactorError::Singular),
+            _ => Self::Factor(FactorError::TooLarge),
+        })
+    }
 }
 
 impl From<FactorError> for Refused {

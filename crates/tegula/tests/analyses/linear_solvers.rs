@@ -1,10 +1,12 @@
 //! Linear solvers: iterations, accuracy and refusals of BDDC, and the cost of a factorisation.
 
+use std::sync::{Arc, Barrier, Mutex};
+
 use crate::common::{
     compile, edge_loaded_shell, irregular, loaded_quarter_cylinder, model, plate, vector_load,
 };
 use tegula::System;
-use tegula::bddc::{Bddc, BddcError, Convergence, Options, StoppingCriterion};
+use tegula::bddc::{Bddc, BddcError, Convergence, Options, Ranks, StoppingCriterion};
 use tegula::compile::build;
 use tegula::element::TangentWeights;
 use tegula::model::*;
@@ -27,7 +29,11 @@ struct Problem {
 
 impl Problem {
     fn new(system: System, options: &Options) -> Self {
-        let bddc = system.bddc(options).unwrap();
+        Self::on_ranks(system, options, None)
+    }
+
+    fn on_ranks(system: System, options: &Options, ranks: Option<Arc<dyn Ranks>>) -> Self {
+        let bddc = system.bddc_on_ranks(options, ranks).unwrap();
         let mut load = vec![0.0; system.unknowns()];
         let mut field = vec![[0.0; 3]; system.vectors()];
         system.add_dead_loads(1.0, 1.0, &mut field);
@@ -150,6 +156,105 @@ fn subdomains_of_any_size_give_the_same_solution() {
         let (x, c) = p.solve(&wanted).unwrap_or_else(|e| panic!("size {size}, reach {reach}: {e}"));
         let off = p.difference(&x);
         assert!(off < 1e-8, "size {size}, reach {reach}: {off:e}, {c:?}");
+    }
+}
+
+/// Ranks that are threads of this process.
+struct Threads {
+    rank: usize,
+    all: Arc<(Barrier, Mutex<Vec<f64>>)>,
+    size: usize,
+}
+
+impl Ranks for Threads {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn size(&self) -> usize {
+        self.size
+    }
+
+    fn gather(&self, values: &mut [f64], begins: &[usize]) -> Result<(), String> {
+        let (barrier, whole) = &*self.all;
+        assert_eq!(begins.len(), self.size + 1);
+        assert_eq!(begins[self.size], values.len());
+        whole.lock().unwrap().resize(values.len(), f64::NAN);
+        barrier.wait();
+        let own = begins[self.rank]..begins[self.rank + 1];
+        whole.lock().unwrap()[own.clone()].copy_from_slice(&values[own]);
+        barrier.wait();
+        values.copy_from_slice(&whole.lock().unwrap());
+        barrier.wait();
+        Ok(())
+    }
+}
+
+/// What each of `size` ranks finds.
+fn on_ranks<T: Send>(size: usize, find: impl Fn(Option<Arc<dyn Ranks>>) -> T + Sync) -> Vec<T> {
+    let all = Arc::new((Barrier::new(size), Mutex::new(Vec::new())));
+    std::thread::scope(|scope| {
+        let ranks: Vec<_> = (0..size)
+            .map(|rank| {
+                let (find, all) = (&find, all.clone());
+                scope.spawn(move || find(Some(Arc::new(Threads { rank, all, size }))))
+            })
+            .collect();
+        ranks.into_iter().map(|rank| rank.join().unwrap()).collect()
+    })
+}
+
+/// Subdomains are summed in their order wherever they are: all ranks have the solution of one process to the last bit.
+#[test]
+fn any_number_of_ranks_gives_the_same_bits() {
+    let m = edge_loaded_shell(true, 24, 100.0, 0.2);
+    let options = Options { size: 50, ..Options::default() };
+    let find = |ranks| {
+        let mut p = Problem::on_ranks(compile(&m).1, &options, ranks);
+        let first = p.solve(&TIGHT).unwrap();
+        p.load.iter_mut().rev().step_by(3).for_each(|x| *x += 1.0);
+        (first, p.solve_factored().unwrap())
+    };
+    let alone = find(None);
+    assert!(alone.0.1.iterations > 5);
+    // There are 12 subdomains: some of 20 ranks have none.
+    for size in [1, 2, 3, 5, 20] {
+        for found in on_ranks(size, find) {
+            assert_eq!(found, alone, "{size} ranks");
+        }
+    }
+}
+
+/// A subdomain that one rank refuses ends all of them with one error, and the next matrix is solved.
+#[test]
+fn all_ranks_refuse_what_one_of_them_refuses() {
+    let m = edge_loaded_shell(true, 24, 100.0, 0.0);
+    let options = Options { size: 50, ..Options::default() };
+    let find = |ranks| {
+        let mut p = Problem::on_ranks(compile(&m).1, &options, ranks);
+        let (size, vectors) = (p.assemble(), p.system.vectors());
+        let mut errors = Vec::new();
+        for term in [0, size.len() / 2, size.len() - 1] {
+            p.assemble();
+            p.bddc.put(term, &vec![f64::INFINITY; size[term]]);
+            errors.push(p.bddc.factor(&p.system.frames).err());
+            // Blocks of a wrong size are seen by the rank that has the subdomain.
+            p.assemble();
+            p.bddc.put(term, &[1.0]);
+            let is_refused = p.bddc.factor(&p.system.frames).is_err();
+            errors.push(is_refused.then_some(BddcError::NotFactored));
+            p.assemble();
+            p.bddc.shift(vectors, (0..vectors).map(|v| (v, if v % 97 == term % 97 { -1e12 } else { 0.0 })));
+            errors.push(p.bddc.factor(&p.system.frames).err());
+        }
+        p.assemble();
+        (errors, p.solve(&TIGHT).unwrap())
+    };
+    let alone = find(None);
+    assert!(alone.0.iter().all(Option::is_some), "{:?}", alone.0);
+    assert_eq!(alone.0[0], Some(BddcError::NotFinite));
+    for found in on_ranks(3, find) {
+        assert_eq!(found, alone);
     }
 }
 
