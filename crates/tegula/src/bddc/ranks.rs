@@ -69,7 +69,7 @@ impl Distribution {
     /// Outcome of this rank, or an error where that of another one is an error (collective).
     ///
     /// # Errors
-    /// Those of this rank; another one has an error, or the ranks cannot communicate.
+    /// This rank or another one has an error, or the ranks cannot communicate.
     pub fn agree(&mut self, outcome: Result<(), BddcError>) -> Result<(), BddcError> {
         let Some(ranks) = &self.ranks else { return outcome };
         let begins: Vec<usize> = (0..=ranks.size()).collect();

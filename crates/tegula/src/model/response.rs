@@ -26,7 +26,7 @@ pub struct FrequencyResponse {
     /// Highest frequency [1/time], not above the highest mode.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub to: f64,
-    /// Number of frequencies between the two. The natural frequencies in the range and the flanks of their peaks are added.
+    /// Number of frequencies between the two. Natural frequencies of damped modes in the range and the flanks of their peaks are added.
     #[schemars(range(min = 2, max = 100_000))]
     #[serde(default = "two_hundred")]
     pub points: u32,

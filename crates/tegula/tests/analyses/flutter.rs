@@ -459,3 +459,31 @@ fn flutter_in_the_step_in_which_a_divergence_ends_is_located() {
         assert_eq!(critical[2].kind, CriticalKind::Flutter);
     }
 }
+
+/// Complex modes of a clamped column do not depend on how many are asked for, and its longitudinal frequency is that of a rod, (π/2) √(EA/m)/L. Vectors of the
+/// basis keep the joint closed, also where little of them is new.
+#[test]
+fn complex_modes_do_not_depend_on_their_number() {
+    let column = |bending: [f64; 2], wanted: usize| -> Vec<f64> {
+        let model: Model = serde_json::from_value(serde_json::json!({
+            "beams": [{ "name": "column", "points": [[0, 0, 0], [1, 0, 0]], "elements": 20, "direction": [0, 0, 1],
+                        "section": { "type": "constants", "axial": 1e4, "shear": [1e4, 1e4], "bending": bending, "torsion": 10.0, "mass": 1.0, "inertia": [1e-4, 1e-4] } }],
+            "joints": [{ "type": "fixed", "name": "root", "between": ["ground", "column.start"], "at": [0, 0, 0] }],
+            "loads": [{ "type": "follower-force", "on": "column.end", "value": [-1.0, 0, 0] }],
+            "analysis": { "type": "modal", "modes": wanted, "prestressed": true }
+        }))
+        .unwrap();
+        modes(&model, &mut Notes::default()).iter().map(|mode| mode.omega).collect()
+    };
+    for bending in [[1000.0, 1.0], [1.0, 1.0]] {
+        let many = column(bending, 20);
+        for wanted in [1, 4, 8, 9, 10, 12, 14] {
+            for (number, (few, many)) in column(bending, wanted).iter().zip(&many).enumerate() {
+                assert!((few - many).abs() < 1e-7 * many, "{bending:?} {wanted} {number}: {few} {many}");
+            }
+        }
+        let rod = 0.5 * std::f64::consts::PI * 100.0;
+        let nearest = many.iter().map(|omega| (omega / rod - 1.0).abs()).min_by(f64::total_cmp).unwrap();
+        assert!(nearest < 1e-3, "{bending:?} {nearest} {many:?}");
+    }
+}

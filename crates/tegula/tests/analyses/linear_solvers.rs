@@ -190,7 +190,7 @@ impl Ranks for Threads {
     }
 }
 
-/// What each of `size` ranks finds.
+/// Results of each of `size` ranks that are threads.
 fn on_ranks<T: Send>(size: usize, find: impl Fn(Option<Arc<dyn Ranks>>) -> T + Sync) -> Vec<T> {
     let all = Arc::new((Barrier::new(size), Mutex::new(Vec::new())));
     std::thread::scope(|scope| {
