@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Tests faults of runs on several ranks: test_rank_faults.py PROGRAM [KILLS].
 
-If KILLS is not 0, a rank is killed so often at random moments, and the run resumed until it ends: its history is that of an undisturbed run. Ctrl-C stops all
+If KILLS is not 0, a rank is killed so often at random moments, and the run resumed until it ends: its history is that of an undisturbed run, with the iterative solver to the last bit. Ctrl-C stops all
 ranks, and the run goes on on another number of ranks. A rank that cannot write ends all. Ranks with other model files, without a model, and with a result folder of another model are refused with a message of one rank.
 """
 import os
@@ -14,7 +14,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from test_ranks import ENVIRONMENT, ROOT, compare, run
+from test_ranks import ENVIRONMENT, ROOT, compare, prepared, run, same_bits
 
 MODEL = ROOT / "examples/quarter_cylinder_pendulum.toml"
 PLATE = ROOT / "verification/models/quarter_cylinder.toml"
@@ -37,12 +37,16 @@ def ranks_of(process):
     return sorted(found)
 
 
-def killed(program, folder, kills, whole):
+def killed(program, folder, kills, model, is_exact=False):
     """A run one of whose ranks is killed again and again, resumed to its end."""
     random.seed(1)
-    out, resume = folder / "killed", []
+    whole, out, resume = folder / f"{model.stem}-whole", folder / f"{model.stem}-killed", []
+    done = run(command(program, 2, whole, model=model))
+    assert done.returncode == 0, done.stderr
     for _ in range(kills):
-        process = subprocess.Popen(command(program, 2, out, *resume), env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        process = subprocess.Popen(
+            command(program, 2, out, *resume, model=model), env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
         time.sleep(random.uniform(1.0, 5.0))
         ranks = ranks_of(process)
         if ranks:
@@ -52,11 +56,14 @@ def killed(program, folder, kills, whole):
                 pass
         assert process.wait(timeout=60) != 0 or not ranks, "a run with a killed rank has ended as if nothing were wrong"
         resume = ["--resume"] if (out / "summary.json").is_file() else []
-    done = run(command(program, 2, out, *resume))
+    done = run(command(program, 2, out, *resume, model=model))
     assert done.returncode == 0, done.stderr
     wrong, worst = compare(whole, out, kills)
+    wrong += same_bits(whole, out) if is_exact else []
     assert not wrong, wrong
-    print(f"{kills} times a rank was killed: the history is that of an undisturbed run to {worst:.1e} of the limits")
+    how = "to the last bit" if is_exact else f"to {worst:.1e} of the limits"
+    print(f"{model.stem}: {kills} times a rank was killed; the history is that of an undisturbed run {how}", flush=True)
+    return whole
 
 
 def stopped(program, folder, whole):
@@ -121,10 +128,10 @@ def main():
         refused(program, folder)
         unwritable(program, folder)
         if kills:
-            done = run(command(program, 2, folder / "whole"))
-            assert done.returncode == 0, done.stderr
-            killed(program, folder, kills, folder / "whole")
-            stopped(program, folder, folder / "whole")
+            stopped(program, folder, killed(program, folder, kills, MODEL))
+            model, _ = prepared("examples/quarter_cylinder_static.toml:iterative", folder)
+            model.write_text(model.read_text().replace('solver = "iterative"', 'solver = "iterative"\nload_steps = 40'))
+            killed(program, folder, kills, model, is_exact=True)
 
 
 if __name__ == "__main__":

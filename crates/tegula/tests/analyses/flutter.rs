@@ -279,7 +279,7 @@ fn the_onset_of_flutter_does_not_depend_on_the_steps_of_the_path() {
     });
     println!("{loads:?}");
     for load in loads {
-        assert!((load / loads[0] - 1.0).abs() < 5e-5, "{loads:?}");
+        assert!((load / loads[0] - 1.0).abs() < 1e-6, "{loads:?}");
     }
 }
 

@@ -21,6 +21,8 @@ use crate::{Error, Result, Vec3};
 
 /// Part of a vector that must be left when its share of the basis is taken away.
 const INDEPENDENT: f64 = 1e-8;
+/// Times that a vector is made orthogonal to the basis, and keeps the joints closed.
+const PASSES: usize = 3;
 /// Part of the strain energy of the static response, that without joints included, below which a residual vector is round-off: joints
 /// may balance all that the modes leave of a load.
 const NEGLIGIBLE: f64 = 1e-12;
@@ -193,19 +195,20 @@ impl<'p, 'a> Reduction<'p, 'a> {
             of.problem.pattern.add_product(&of.problem.mass, x, &mut m_x);
             dot(x, &m_x).sqrt()
         };
-        let before = norm(self, &x);
-        // Once more for what cancellation has left.
-        for _ in 0..2 {
+        for _ in 0..PASSES {
+            // A small remainder has grown, and with it the round-off across the joints.
+            self.problem.constrain(&mut x);
+            let before = norm(self, &x);
             for vector in &self.basis {
                 let share = dot(&x, &vector.m_x);
                 add(-share, &vector.x, &mut x);
             }
+            let after = norm(self, &x);
+            if !(after > INDEPENDENT * before) {
+                return false;
+            }
+            x.iter_mut().for_each(|x| *x /= after);
         }
-        let after = norm(self, &x);
-        if !(after > INDEPENDENT * before) {
-            return false;
-        }
-        x.iter_mut().for_each(|x| *x /= after);
         let vector = self.vector(x, None);
         self.basis.push(vector);
         true
