@@ -110,8 +110,8 @@ class FrequencyResponse(Part):
     Args:
         from_: Lowest frequency [1/time].
         to: Highest frequency [1/time], not above the highest mode.
-        points: Number of frequencies between the two. The natural frequencies in the range and the flanks of their
-            peaks are added.
+        points: Number of frequencies between the two. Natural frequencies of damped modes in the range and the flanks
+            of their peaks are added.
         spacing: Spacing of these frequencies. Values: `logarithmic`, `linear`.
     """
 

@@ -203,7 +203,7 @@ fn modes_about(
     let circulatory = circulatory::stiffness(system, state);
     if let Some(spin) = Spin::of(system, state.time).filter(|spin| spin.omega != 0.0) {
         let parts = SkewParts { spin: Some(spin), circulatory };
-        return Ok((complex_modes::modes(problem, (wanted, &parts), None, observer)?, false));
+        return Ok((complex_modes::modes(problem, (wanted, 0, &parts), None, observer)?, false));
     }
     // Modes just above the wanted ones couple with them most.
     let coupled = if circulatory.is_some() { COUPLED } else { 0 };
@@ -213,7 +213,9 @@ fn modes_about(
     {
         let parts = SkewParts { spin: None, circulatory: Some(stiffness) };
         let known = Some(std::mem::take(&mut outcome.modes));
-        return Ok((complex_modes::modes(problem, (wanted, &parts), known, observer)?, false));
+        let mut outcome = complex_modes::modes(problem, (wanted, coupled, &parts), known, observer)?;
+        outcome.modes.truncate(wanted);
+        return Ok((outcome, false));
     }
     outcome.modes.truncate(wanted);
     outcome.statistics.steps = outcome.modes.len() as u64;

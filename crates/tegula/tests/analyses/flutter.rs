@@ -487,3 +487,44 @@ fn complex_modes_do_not_depend_on_their_number() {
         assert!(nearest < 1e-3, "{bending:?} {nearest} {many:?}");
     }
 }
+
+/// Six slow modes of other parts lie below the two that flutter: a path finds the onset of the column alone, and modes tell of what grows beyond them.
+#[test]
+fn flutter_above_slow_modes_of_other_parts_is_found() {
+    let column = |masses: usize, analysis: serde_json::Value| -> Model {
+        let places: Vec<f64> = (0..masses).map(|i| 5.0 + i as f64).collect();
+        let body = |(i, y): (usize, &f64)| serde_json::json!({ "name": format!("p{i}"), "at": [0.0, y, 0.0], "mass": 1.0 });
+        let springs = |(i, y): (usize, &f64)| {
+            let at = [0.0, *y, 0.0];
+            [(0, [0.3, *y, 0.0]), (1, [0.0, y + 0.3, 0.0]), (2, [0.0, *y, 0.3])].map(|(axis, from)| serde_json::json!({ "name": format!("s{i}{axis}"), "between": ["ground", format!("p{i}")], "points": [from, at], "stiffness": 0.01 }))
+        };
+        serde_json::from_value(serde_json::json!({
+            "beams": [{ "name": "column", "points": [[0, 0, 0], [1, 0, 0]], "elements": 8, "direction": [0, 0, 1],
+                        "section": { "type": "constants", "axial": 1e4, "shear": [1e4, 1e4], "bending": [20.0, 1.0], "torsion": 10.0, "mass": 1.0, "inertia": [1e-4, 1e-4] } }],
+            "joints": [{ "type": "fixed", "name": "root", "between": ["ground", "column.start"], "at": [0, 0, 0] }],
+            "bodies": places.iter().enumerate().map(body).collect::<Vec<_>>(),
+            "springs": places.iter().enumerate().flat_map(springs).collect::<Vec<_>>(),
+            "loads": [{ "type": "follower-force", "on": "column.end", "value": [-25.0, 0, 0] }],
+            "analysis": analysis
+        }))
+        .unwrap()
+    };
+    let onset = |masses: usize| {
+        let options =
+            PathAnalysis { end_load: 1.0, end_at: Some(PathEnd::Flutter), ..PathAnalysis::default() };
+        let system = compile(&column(masses, serde_json::json!({ "type": "path" }))).1;
+        path::run(&system, &options, None, &mut Notes::default()).unwrap().state.path.unwrap().critical
+    };
+    let alone = onset(0);
+    let beside = onset(2);
+    assert_eq!([alone.len(), beside.len()], [1, 1], "{alone:?} {beside:?}");
+    assert!((beside[0].load / alone[0].load - 1.0).abs() < 1e-5, "{} {}", beside[0].load, alone[0].load);
+
+    for (wanted, place) in [(6, "which is mode 7, beyond the 6"), (8, "see `growth` in the table")] {
+        let analysis = serde_json::json!({ "type": "modal", "modes": wanted, "prestressed": true });
+        let mut notes = Notes::default();
+        assert_eq!(modes(&column(2, analysis), &mut notes).len(), wanted);
+        let told = |text: &String| text.contains("flutter") && text.contains(place);
+        assert!(notes.warnings.iter().any(told), "{wanted} {:?}", notes.warnings);
+    }
+}

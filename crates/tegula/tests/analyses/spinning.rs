@@ -415,3 +415,34 @@ fn a_balanced_disc_turns_about_an_oblique_axis() {
         assert!((a - b).abs() < 1e-7 * along[5], "{along:?} {oblique:?}");
     }
 }
+
+/// Torsion of a shaft does not couple with its bending, and does not know of its speed: it is the lowest mode also where bending modes, which the inertia of the
+/// turning frame drives away, are below it. The frequency is that of a rod without mass, √(GJ/(l I)), with a third of the polar inertia of the part of the shaft up to the disc
+/// and the whole of that behind it.
+#[test]
+fn torsion_is_found_above_critical_speeds() {
+    let (span, disc, shaft) = (1.875, 20.325, 2.0 * 0.013_167);
+    let expected = (272_700.0_f64 / span / (disc + shaft * (span / 3.0 + 6.0 - span))).sqrt();
+    for (velocity, wanted) in
+        [(500.0, 1), (1500.0, 2), (2500.0, 3), (2500.0, 1), (10_000.0, 2), (10_000.0, 12)]
+    {
+        let model: Model = serde_json::from_value(serde_json::json!({
+            "beams": [{ "name": "shaft", "points": [[0, 0, 0], [6, 0, 0]], "elements": 16, "direction": [0, 1, 0],
+                        "section": { "type": "constants", "axial": 313.4e6, "shear": [60.5e6, 60.5e6], "bending": [354.5e3, 354.5e3], "torsion": 272.7e3, "mass": 11.64, "inertia": [0.013_167, 0.013_167] } }],
+            "bodies": [{ "name": "disc", "at": [span, 0, 0], "mass": 70.573, "inertia": [disc, 10.163, 10.163] }],
+            "joints": [{ "type": "fixed", "name": "hub", "between": ["shaft.5", "disc"], "at": [span, 0, 0] },
+                       { "type": "fixed", "name": "left", "between": ["ground", "shaft.start"], "at": [0, 0, 0] },
+                       { "type": "cylindrical", "name": "right", "between": ["ground", "shaft.end"], "at": [6, 0, 0], "axis": [1, 0, 0] }],
+            "loads": [{ "type": "centrifugal", "axis": [1, 0, 0], "velocity": velocity, "ground": "stands" }],
+            "analysis": { "type": "modal", "modes": wanted, "prestressed": true }
+        }))
+        .unwrap();
+        let found = spin(&model).unwrap().modes;
+        assert_eq!(found.len(), wanted);
+        assert!(
+            (found[0].omega / expected - 1.0).abs() < 1e-3,
+            "{velocity} {wanted} {} {expected}",
+            found[0].omega
+        );
+    }
+}

@@ -95,6 +95,7 @@ impl SkewParts {
 type Pair = [Vec<f64>; 2];
 
 /// The basis, with the products of its vectors with K + N, M and G.
+#[derive(Clone)]
 struct Basis {
     /// Number of motions that the model has: further vectors would be round-off across its joints.
     most: usize,
@@ -109,13 +110,14 @@ struct Found {
     residual: f64,
 }
 
-/// Finds the `wanted` lowest modes, from real modes without the skew matrices where they are `known`.
+/// Finds the `wanted` lowest modes and those of some `more` that are found, too, from real modes without the skew matrices where they are `known`. A warning tells of growing
+/// ones among all of them.
 ///
 /// # Errors
 /// As for [`super::run`], or the iteration does not find the modes.
 pub(super) fn modes(
     problem: &mut Problem,
-    (wanted, skew): (usize, &SkewParts),
+    (wanted, more, skew): (usize, usize, &SkewParts),
     known: Option<Vec<Mode>>,
     observer: &mut dyn Observer,
 ) -> Result<ModalOutcome> {
@@ -130,7 +132,12 @@ pub(super) fn modes(
     problem.softening = speed * speed;
     let real = match known {
         Some(modes) => modes,
-        None => lowest_modes(problem, (2 * wanted + MORE, 0), &mut Quiet(observer))?.0.modes,
+        None => {
+            // Above a critical speed, the lowest real modes are motions that the inertia of the turning frame drives away, which may not couple with the modes
+            // of the smallest absolute values.
+            let below = problem.negative_eigenvalues();
+            lowest_modes(problem, (2 * wanted + MORE + below, 0), &mut Quiet(observer))?.0.modes
+        }
     };
     if wanted > real.len() {
         observer.on_event(&format!(
@@ -149,9 +156,15 @@ pub(super) fn modes(
         problem.newton.assembly.frames.components(&mode.shape, &mut free);
         basis.add(problem, skew, free.clone());
     }
-    let found = iterate(problem, basis, skew, (wanted, scale), observer)?;
+    let all = (wanted + more).min(real.len());
+    let found = match iterate(problem, basis.clone(), skew, (all, scale), observer) {
+        Err(Error::NotConverged { .. }) if all > wanted => {
+            iterate(problem, basis, skew, (wanted, scale), observer)?
+        }
+        found => found?,
+    };
     let modes: Vec<Mode> = found.iter().map(|mode| mode_of(problem, skew, mode, scale)).collect();
-    warn_of_growth(&modes, speed, observer);
+    warn_of_growth((&modes, wanted), speed, observer);
     let statistics = Statistics {
         steps: wanted as u64,
         iterations: problem.applications,
@@ -191,10 +204,16 @@ fn precondition(problem: &mut Problem, skew: &SkewParts, real: &[Mode]) -> Resul
     })
 }
 
-/// Warns of the first mode that grows.
-fn warn_of_growth(modes: &[Mode], speed: f64, observer: &mut dyn Observer) {
+/// Warns of the first mode that grows, which may be beyond those that are `wanted`.
+fn warn_of_growth((modes, wanted): (&[Mode], usize), speed: f64, observer: &mut dyn Observer) {
     let growth = |mode: &Mode| mode.complex.as_ref().map_or(0.0, |part| part.growth);
-    let Some(unstable) = modes.iter().find(|mode| growth(mode) > 0.0) else { return };
+    let Some(number) = modes.iter().position(|mode| growth(mode) > 0.0) else { return };
+    let unstable = &modes[number];
+    let place = if number < wanted {
+        "see `growth` in the table of modes".into()
+    } else {
+        format!("which is mode {}, beyond the {wanted} that are asked for (`modes`)", number + 1)
+    };
     let (omega, growth) = (unstable.omega, growth(unstable));
     observer.on_warning(&if speed != 0.0 {
         format!(
@@ -204,8 +223,7 @@ fn warn_of_growth(modes: &[Mode], speed: f64, observer: &mut dyn Observer) {
         format!("the equilibrium is unstable (divergence): a motion grows by e^(t/{:.4e})", 1.0 / growth)
     } else {
         format!(
-            "the equilibrium is unstable (flutter): a vibration of the circular frequency {omega:.6e} grows by e^(t/{:.4e}), see `growth` in the \
-             table of modes",
+            "the equilibrium is unstable (flutter): a vibration of the circular frequency {omega:.6e} grows by e^(t/{:.4e}), {place}",
             1.0 / growth
         )
     });

@@ -61,7 +61,7 @@ pub fn growing_motion(system: &System, state: &State) -> Result<(Option<GrowingM
     }
     if let Some(spin) = Spin::of(system, state.time).filter(|spin| spin.omega != 0.0) {
         let parts = SkewParts { spin: Some(spin), circulatory: Some(stiffness) };
-        let found = complex_modes::modes(&mut problem, (WATCHED, &parts), None, &mut Silent)?;
+        let found = complex_modes::modes(&mut problem, (WATCHED, COUPLED, &parts), None, &mut Silent)?;
         return Ok((most_growing(found.modes), None));
     }
     let (found, _) = lowest_modes(&mut problem, (WATCHED, COUPLED), &mut Silent)?;
@@ -70,7 +70,8 @@ pub fn growing_motion(system: &System, state: &State) -> Result<(Option<GrowingM
     let mut growing = None;
     if circulatory::matters(&mut problem, &stiffness, &found.modes, WATCHED)? {
         let parts = SkewParts { spin: None, circulatory: Some(stiffness) };
-        let found = complex_modes::modes(&mut problem, (WATCHED, &parts), Some(found.modes), &mut Silent)?;
+        let found =
+            complex_modes::modes(&mut problem, (WATCHED, COUPLED, &parts), Some(found.modes), &mut Silent)?;
         growing = most_growing(found.modes);
     }
     Ok((growing, Some(KnownModes(known))))

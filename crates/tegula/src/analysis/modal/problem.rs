@@ -277,6 +277,11 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// Number of eigenvalues below zero, and not by round-off; 0 where it is not known.
+    pub fn negative_eigenvalues(&mut self) -> usize {
+        self.factor(|group| -FIRST_SHIFT * group.lowest).unwrap_or(0)
+    }
+
     /// Factors with the groups' shifts; true if the matrix is positive definite.
     pub fn factor_shifted(&mut self) -> bool {
         self.factor(|g| g.shift) == Some(0)
