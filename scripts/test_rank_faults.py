@@ -55,7 +55,7 @@ def killed(program, folder, kills, model, is_exact=False):
             except ProcessLookupError:
                 pass
         assert process.wait(timeout=60) != 0 or not ranks, "a run with a killed rank has ended as if nothing were wrong"
-        resume = ["--resume"] if (out / "summary.json").is_file() else []
+        resume = ["--resume"] if (out / "checkpoint.bin").is_file() else ["--force"]
     done = run(command(program, 2, out, *resume, model=model))
     assert done.returncode == 0, done.stderr
     wrong, worst = compare(whole, out, kills)

@@ -32,8 +32,6 @@ const FOUND: f64 = 1e-8;
 const TAKEN: f64 = 1e-6;
 /// Size of a new vector behind its projection, over that before, below which the basis has it.
 const DEPENDENT: f64 = 1e-10;
-/// Times that a new vector is made orthogonal to all others, and keeps the joints closed.
-const PASSES: usize = 3;
 /// Modes of the first basis beyond twice the wanted ones; vectors of the basis, over the wanted modes, beyond which it starts anew.
 const MORE: usize = 6;
 const MOST_VECTORS: usize = 16;
@@ -322,20 +320,9 @@ impl Basis {
         if self.vectors.len() >= self.most {
             return;
         }
-        let norm = |problem: &Problem, x: &[f64]| dot(x, &times(problem, &problem.mass, x)).max(0.0).sqrt();
-        for _ in 0..PASSES {
-            // A small remainder has grown, and with it the round-off across the joints.
-            problem.constrain(&mut x);
-            let before = norm(problem, &x);
-            for (v, m) in self.vectors.iter().zip(&self.products[1]) {
-                let part = dot(m, &x);
-                x.iter_mut().zip(v).for_each(|(x, v)| *x -= part * v);
-            }
-            let size = norm(problem, &x);
-            if !(size > DEPENDENT * before) {
-                return;
-            }
-            x.iter_mut().for_each(|x| *x /= size);
+        let others = self.vectors.iter().zip(&self.products[1]).map(|(v, m)| (v.as_slice(), m.as_slice()));
+        if !problem.orthonormalize(&mut x, others, DEPENDENT) {
+            return;
         }
         for (list, product) in self.products.iter_mut().zip(skew.products(problem, &x)) {
             list.push(product);

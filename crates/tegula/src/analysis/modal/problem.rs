@@ -5,6 +5,7 @@
 //! is small beside the shift of the one is large beside that of the other, and round-off of the stiff part hides the
 //! soft one. Parts of like frequencies therefore form a group, with a shift of its own.
 
+use super::dot;
 use super::rigid::{Parts, RigidModes};
 use super::strain_energy::OF_SPRINGS;
 use crate::analysis::newton::Newton;
@@ -12,6 +13,7 @@ use crate::analysis::potential::scales;
 use crate::analysis::{Observer, State, equilibrium};
 use crate::element::{ElementGroup, TangentWeights};
 use crate::model::NewtonMethod;
+use crate::norm::larger;
 use crate::system::System;
 use crate::system::assembly::TangentCoefficients;
 use crate::{Error, Result};
@@ -275,6 +277,37 @@ impl<'a> Problem<'a> {
         if let Some(constraints) = &mut self.newton.constraints {
             constraints.constrain(x);
         }
+    }
+
+    /// Makes a vector orthogonal in the mass to others of unit mass, which come with their products with the mass, closes the joints under it and gives it unit mass;
+    /// false where no more than the part `independent` of it is left. What is left has grown, and with it the round-off across the joints: all is done
+    /// three times.
+    pub fn orthonormalize<'v>(
+        &mut self,
+        x: &mut [f64],
+        others: impl Iterator<Item = (&'v [f64], &'v [f64])> + Clone,
+        independent: f64,
+    ) -> bool {
+        let mut product = vec![0.0; x.len()];
+        let mut norm = |problem: &Self, x: &[f64]| {
+            product.fill(0.0);
+            problem.pattern.add_product(&problem.mass, x, &mut product);
+            larger(dot(x, &product), 0.0).sqrt()
+        };
+        for _ in 0..3 {
+            self.constrain(x);
+            let before = norm(self, x);
+            for (v, m) in others.clone() {
+                let part = dot(m, x);
+                x.iter_mut().zip(v).for_each(|(x, v)| *x -= part * v);
+            }
+            let after = norm(self, x);
+            if !(after > independent * before) {
+                return false;
+            }
+            x.iter_mut().for_each(|x| *x /= after);
+        }
+        true
     }
 
     /// Number of eigenvalues below zero, and not by round-off; 0 where it is not known.

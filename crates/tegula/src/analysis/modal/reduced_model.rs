@@ -21,8 +21,6 @@ use crate::{Error, Result, Vec3};
 
 /// Part of a vector that must be left when its share of the basis is taken away.
 const INDEPENDENT: f64 = 1e-8;
-/// Times that a vector is made orthogonal to the basis, and keeps the joints closed.
-const PASSES: usize = 3;
 /// Part of the strain energy of the static response, that without joints included, below which a residual vector is round-off: joints
 /// may balance all that the modes leave of a load.
 const NEGLIGIBLE: f64 = 1e-12;
@@ -190,24 +188,9 @@ impl<'p, 'a> Reduction<'p, 'a> {
 
     /// Adds what a vector has beyond the basis; false where that is nothing. [`diagonalize`](Self::diagonalize) has to follow.
     pub fn add(&mut self, mut x: Vec<f64>) -> bool {
-        let norm = |of: &Self, x: &[f64]| {
-            let mut m_x = vec![0.0; x.len()];
-            of.problem.pattern.add_product(&of.problem.mass, x, &mut m_x);
-            dot(x, &m_x).sqrt()
-        };
-        for _ in 0..PASSES {
-            // A small remainder has grown, and with it the round-off across the joints.
-            self.problem.constrain(&mut x);
-            let before = norm(self, &x);
-            for vector in &self.basis {
-                let share = dot(&x, &vector.m_x);
-                add(-share, &vector.x, &mut x);
-            }
-            let after = norm(self, &x);
-            if !(after > INDEPENDENT * before) {
-                return false;
-            }
-            x.iter_mut().for_each(|x| *x /= after);
+        let others = self.basis.iter().map(|vector| (vector.x.as_slice(), vector.m_x.as_slice()));
+        if !self.problem.orthonormalize(&mut x, others, INDEPENDENT) {
+            return false;
         }
         let vector = self.vector(x, None);
         self.basis.push(vector);

@@ -227,9 +227,11 @@ impl PathState {
         if options.end_at.is_some() && !wanted {
             let reason = match options.end_at {
                 Some(PathEnd::Flutter) if self.flutters => {
-                    "the onset of its flutter is told only between two load factors: smaller steps (`path.step`) locate it"
+                    "the onset of its flutter is known only between the two load factors that a warning has told; modal steps about static states between them narrow it"
                 }
-                Some(PathEnd::Flutter) => "it has passed no onset of flutter among the six lowest modes",
+                Some(PathEnd::Flutter) => {
+                    "it has passed no onset of flutter of the lowest modes, which are watched"
+                }
                 _ => "it has passed none of the kind that is named",
             };
             observer.on_warning(&format!("the path has not ended at a critical point (`end_at`): {reason}"));
