@@ -111,17 +111,11 @@ impl Distribution {
         }
         let mut values = std::mem::take(&mut self.values);
         values.clear();
-        self.begins.fill(0);
-        let mut rank = 0;
         for (p, datum) in data.iter_mut().enumerate() {
-            while self.first[rank + 1] <= p {
-                rank += 1;
-            }
-            let part = part(p, datum);
-            values.extend_from_slice(part);
-            self.begins[rank + 1] += part.len();
+            values.extend_from_slice(part(p, datum));
         }
-        let result = self.communicate(&mut values);
+        let result =
+            self.gather(&mut values, data.iter_mut().enumerate().map(|(p, datum)| (p, part(p, datum).len())));
         let mut rest = values.as_slice();
         for (p, datum) in data.iter_mut().enumerate() {
             let part = part(p, datum);
@@ -144,9 +138,7 @@ impl Distribution {
         values: &mut [f64],
         of: impl Iterator<Item = (usize, usize)>,
     ) -> Result<(), BddcError> {
-        if self.ranks.is_none() {
-            return Ok(());
-        }
+        let Some(ranks) = &self.ranks else { return Ok(()) };
         self.begins.fill(0);
         let mut rank = 0;
         for (p, count) in of {
@@ -155,12 +147,6 @@ impl Distribution {
             }
             self.begins[rank + 1] += count;
         }
-        self.communicate(values)
-    }
-
-    /// Gathers values, of which each rank has as many as `begins` tells behind its place.
-    fn communicate(&mut self, values: &mut [f64]) -> Result<(), BddcError> {
-        let Some(ranks) = &self.ranks else { return Ok(()) };
         for r in 1..self.begins.len() {
             self.begins[r] += self.begins[r - 1];
         }
