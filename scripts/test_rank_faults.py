@@ -87,10 +87,13 @@ def refused(program, folder):
     other.write_text(PLATE.read_text().replace("\n", "\n# other\n", 1))
     first, second = (["-n", "1", program, "run", str(model), "--out", str(folder / "two")] for model in (PLATE, other))
     missing = ["-n", "1", program, "run", str(folder / "none.toml"), "--out", str(folder / "two")]
+    wrong = folder / "wrong.toml"
+    wrong.write_text("[nothing]\n" + PLATE.read_text())
     cases = [
         (["mpirun", *first, ":", *second], "the model files of the ranks differ"),
         (["mpirun", *first, ":", *missing], "can be read by rank 0, but not by all others"),
         (command(program, 2, folder / "two", model=folder / "none.toml"), "there is no such file"),
+        *[(command(program, 5, folder / "two", model=wrong), 'unknown key "nothing"')] * 5,
         (command(program, 2, folder / "strip", model=PLATE), "it holds the results of another model"),
     ]
     done = run(command(program, 2, folder / "strip", model=ROOT / "examples/stress_wave.toml"))

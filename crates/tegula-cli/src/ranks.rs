@@ -163,13 +163,18 @@ impl Ranks {
         outcome
     }
 
+    /// Waits, in ranks other than 0, until rank 0 has told why the run does not begin: a launcher ends all ranks when the first of them ends.
+    pub fn leave_the_word_to_the_first(&self) {
+        if !self.is_first() {
+            std::thread::sleep(BEHIND_FIRST);
+        }
+    }
+
     /// Ends all ranks because of an error of this one.
     pub fn fail(&self, error: &dyn std::fmt::Display) {
         let Some(all) = self.all else { return };
-        if all.rank() > 0 {
-            // Where rank 0 has failed, too, its message is the one to read.
-            std::thread::sleep(BEHIND_FIRST);
-        }
+        // Where rank 0 has failed, too, its message is the one to read.
+        self.leave_the_word_to_the_first();
         terminal::speak();
         terminal::report("error", &format!("rank {} of {}: {error}", all.rank(), all.size()));
         all.abort(1);

@@ -51,11 +51,12 @@ pub struct Arguments {
 /// Runs the model.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut ranks = Ranks::start()?;
-    threads::start(ranks.threads(arguments.threads)?)?;
-    let deck = Deck::read(&arguments.model);
-    ranks.agree(deck.as_ref().map(|deck| (deck.path.as_path(), deck.text.as_str())).map_err(|_| ()))?;
-    let deck = deck.map_err(Failure::Model)?;
-    let folder = arguments.out.clone().unwrap_or_else(|| default_folder(&deck.path));
+    let prepared = prepare(arguments, &mut ranks);
+    if prepared.is_err() {
+        ranks.leave_the_word_to_the_first();
+    }
+    let (deck, options) = prepared?;
+    let folder = options.folder.clone();
     interrupt::listen();
     let first = ranks.is_first();
     let page = if arguments.watch && first { Some(watched::serve()?) } else { None };
@@ -64,8 +65,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         (_, true) => Detail::Everything,
         _ => Detail::Progress,
     });
-    let options = JobOptions { folder: folder.clone(), resume: arguments.resume, force: arguments.force };
-    let options = ranks.options(options)?;
     let mut watched = Watched { line, page, ranks };
     let outcome = job::run(&deck, &options, &mut watched);
     // What follows is the work of rank 0 alone.
@@ -83,6 +82,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let told = conclude(arguments, &folder, outcome);
     watched.close();
     told
+}
+
+/// Reads the model, and gives each rank a folder.
+fn prepare(arguments: &Arguments, ranks: &mut Ranks) -> Result<(Deck, JobOptions), Failure> {
+    threads::start(ranks.threads(arguments.threads)?)?;
+    let deck = Deck::read(&arguments.model);
+    ranks.agree(deck.as_ref().map(|deck| (deck.path.as_path(), deck.text.as_str())).map_err(|_| ()))?;
+    let deck = deck.map_err(Failure::Model)?;
+    let folder = arguments.out.clone().unwrap_or_else(|| default_folder(&deck.path));
+    let options = ranks.options(JobOptions { folder, resume: arguments.resume, force: arguments.force })?;
+    Ok((deck, options))
 }
 
 /// Writes the report, and prints the findings of a run.
